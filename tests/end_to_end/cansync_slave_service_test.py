@@ -96,11 +96,10 @@ class Slave:
 
     def status(self):
         """The daemon's status, or None while it cannot be had."""
-        result = self.place.run("status", "--json")
-        return json.loads(result.stdout) if result.returncode == 0 else None
+        return self.place.look("status")
 
     def wait_for_status(self, what, condition=lambda status: True):
-        return wait_for(what, lambda: (status := self.status()) and condition(status) and status)
+        return wait_for(what, lambda: (status := self.status()) and condition(status) and status, pause=0.1)
 
     def wait_for_event(self, code, *words):
         """With one of the words in its text."""

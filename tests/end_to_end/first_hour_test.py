@@ -254,6 +254,7 @@ class Places(unittest.TestCase):
         with Gateway(slaves=2) as gateway:
             found = findings(gateway)["DDS places"]
             self.assertEqual(found["level"], "ok")
+            gateway.look_no_more()
             self.fill(gateway.domain, 11, 100)
             found = findings(gateway)["DDS places"]
             self.assertEqual(found["level"], "warning")

@@ -10,6 +10,7 @@ import pty
 import random
 import re
 import select
+import shlex
 import shutil
 import socket
 import struct
@@ -41,8 +42,8 @@ PAUSES = 1  # between two looks, each as long as a look takes
 ACTIVE = 0x80  # w_OPTION_STATUS
 
 
-def wait_for(what, condition, seconds=None):
-    """The first result of `condition` that is true."""
+def wait_for(what, condition, seconds=None, pause=0.02):
+    """The first result of `condition` that is true. `pause`: at least so many seconds between two looks."""
     seconds = LONG if seconds is None else seconds
     deadline = time.monotonic() + seconds
     while (began := time.monotonic()) < deadline:
@@ -50,7 +51,7 @@ def wait_for(what, condition, seconds=None):
         if result:
             return result
         # Looking costs processor time that the line needs as well: never more than half of it.
-        time.sleep(min(1.0, max(0.02, PAUSES * (time.monotonic() - began))))
+        time.sleep(min(1.0, max(pause, PAUSES * (time.monotonic() - began))))
     raise AssertionError(f"not within {seconds} s: {what}")
 
 
@@ -63,6 +64,12 @@ def end(process, seconds=None):
         process.kill()
         process.wait(LONG)
         raise
+
+
+def end_at_once(process):
+    """SIGKILL, and nothing of it is left."""
+    process.kill()
+    process.communicate(timeout=LONG)
 
 
 def metrics(path):
@@ -130,6 +137,50 @@ class Verb(subprocess.Popen):
         return found
 
 
+class Looker:
+    """`cansync` that goes on and is asked for one object after another: of what is looked at until it is so, a process for each look
+    would be most of what a test costs."""
+
+    SAID_ALONE = 1  # seconds after which a message is not a note beside an object
+
+    def __init__(self, environment):
+        self.process = subprocess.Popen([CANSYNC, "batch", "--continue", "-"], env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                        stderr=subprocess.PIPE, bufsize=0)
+        self.end = weakref.finalize(self, end_at_once, self.process)
+        self.lines = 0
+        self.seen = set()
+
+    def look(self, arguments):
+        """The one object that `cansync ARGUMENTS --json` prints; None when it says why not."""
+        command = shlex.join(map(str, [*arguments, "--json"]))
+        self.lines += 1
+        out, err = self.process.stdout, self.process.stderr
+        try:
+            self.process.stdin.write(f"{command}\n".encode())
+        except BrokenPipeError:
+            return None
+        said = b""
+        while True:
+            is_told = b"input:%d:" % self.lines in said
+            ready = select.select([out, err], [], [], self.SAID_ALONE if is_told else LONG)[0]
+            if out in ready:
+                break
+            text = os.read(err.fileno(), 65536) if ready else b""
+            said += text
+            if not text and is_told:
+                return None
+            if not text:
+                raise AssertionError(f"{command}: nothing came within {LONG} s; it said {said}")
+        line = out.readline()
+        if not line:
+            return None
+        found = json.loads(line)
+        if command not in self.seen:
+            self.seen.add(command)
+            expect(arguments, found)
+        return found
+
+
 def reserved_port(domain, offset):
     """A UDP port of the domain's range, bound; None: another program has it."""
     reserved = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -165,6 +216,7 @@ class Place:
         self.bus = f"test{os.getpid()}-{random.SystemRandom().randrange(10**9)}"
         self.environment = dict(os.environ, CANSYNC_DOMAIN=str(self.domain), CANSYNC_BUS=self.bus, TZ="UTC",
                                 TERM="xterm")
+        self._looker, self._looked_at = None, None
 
     def become(self, identity):
         """From now on `cansync` has this identity, a folder; None: without."""
@@ -187,6 +239,24 @@ class Place:
                 process.kill()
                 raise
         return subprocess.CompletedProcess(arguments, process.returncode, out, err.decode())
+
+    def look(self, *arguments, daemon=None):
+        """The one object that `cansync` with these arguments and --json prints, for what is looked at again and again; None when it says
+        anything else. `daemon`: the process that is to tell it; of another one's nothing is taken over."""
+        looked_at = daemon, self.environment.get("CANSYNC_SECURITY")
+        if self._looker and self._looked_at != looked_at:
+            self.look_no_more()
+        if not self._looker:
+            self._looker, self._looked_at = Looker(self.environment), looked_at
+        found = self._looker.look(arguments)
+        if found is None:
+            self.look_no_more()
+        return found
+
+    def look_no_more(self):
+        if self._looker:
+            self._looker.end()
+        self._looker = None
 
     def run_on_terminal(self, *arguments, columns=80, rows=24):
         """Like `run`, with standard output and error on one terminal; all that it showed, and the exit code."""
@@ -264,6 +334,7 @@ factor = 0.001
 
     def stop(self):
         """Ends the daemon in order; its exit code."""
+        self.look_no_more()
         return end(self.process)
 
     def log_text(self):
@@ -274,15 +345,14 @@ factor = 0.001
         """The daemon's status, or None while it cannot be had."""
         if self.process.poll() is not None:
             raise AssertionError("the daemon has ended:\n" + self.log_text())
-        result = self.run("status", "--json")
-        return json.loads(result.stdout) if result.returncode == 0 else None
+        return self.look("status", daemon=self.process.pid)
 
     def wait_status(self, what, condition):
         def look():
             status = self.status()
             return status if status and condition(status) else None
 
-        return wait_for(what, look)
+        return wait_for(what, look, pause=0.1)
 
     def start_job(self, counter, *arguments):
         """`cansync` with a job that does not end by itself; back as soon as `counter` of the status shows it open."""

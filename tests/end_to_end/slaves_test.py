@@ -35,15 +35,14 @@ class Slaves(unittest.TestCase):
         cls.enterClassContext(cls.gateway)
 
     def slave(self, number=LOST):
-        result = self.gateway.run("slaves", number, "--json")
-        return json.loads(result.stdout) if result.returncode == 0 else None
+        return self.gateway.look("slaves", number, daemon=self.gateway.process.pid)
 
     def wait_state(self, *states):
         def look():
             slave = self.slave()
             return slave if slave and slave["state"] in states else None
 
-        return wait_for(f"slave {LOST} is {' or '.join(states)}", look)
+        return wait_for(f"slave {LOST} is {' or '.join(states)}", look, pause=0.1)
 
     def wait_fresh_turn(self):
         """Back when the drive has been there for a moment and stays for a while."""

@@ -244,8 +244,7 @@ class Daemon(Place):
         """The daemon's status, or None while it cannot be had."""
         if self.program.process.poll() is not None:
             raise AssertionError("the daemon has ended:\n" + self.log_text())
-        result = self.run("status", "--json")
-        return json.loads(result.stdout) if result.returncode == 0 else None
+        return self.look("status", daemon=self.program.process.pid)
 
     def wait_status(self, what, condition):
         last = None
@@ -256,7 +255,7 @@ class Daemon(Place):
             return last if last and condition(last) else None
 
         try:
-            return wait_for(what, look)
+            return wait_for(what, look, pause=0.1)
         except AssertionError as error:
             raise AssertionError(f"{error}\nstatus: {last}\nthe daemon:\n{self.log_text()}") from None
 

@@ -16,11 +16,11 @@ REPOSITORY = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__f
 # Where the repository is inside, wherever it is here: with the same bytes in memory the same seed is the same course everywhere.
 INSIDE = "/project"
 # Debian packages, each with those that it depends on within FAMILIES.
-PACKAGES = ("bash", "can-utils", "coreutils", "findutils", "gnuplot-nox", "grep", "hostname", "iproute2", "libddsc0debian", "mawk", "ncurses-base", "openssl",
+PACKAGES = ("bash", "can-utils", "coreutils", "findutils", "grep", "hostname", "iproute2", "libddsc0debian", "mawk", "ncurses-base", "openssl",
             "python3", "python3-can", "python3-cffi-backend", "python3-jsonschema", "python3-prometheus-client", "python3-pyte", "sed", "strace", "util-linux")
-FAMILIES = re.compile(r"(lib)?python3|gnuplot")
+FAMILIES = re.compile(r"(lib)?python3")
 NOT_NEEDED = re.compile(r"/usr/share/(doc|man|info|locale|lintian|doc-base)/|/usr/lib/python3[.0-9]*/(idlelib|lib2to3|pydoc_data)/")
-PROGRAMS = ("awk", "busybox", "gnuplot", "sh")  # which of several is chosen here
+PROGRAMS = ("awk", "busybox", "sh")  # which of several is chosen here
 # Files and folders of the repository.
 PLACES = ("bench", "config", "docs", "tests/bench", "tests/client", "tests/end_to_end", "tests/fastdds", "tests/kernel", "tests/manual", "tests/pictures",
           "tests/python", "tools/completions", "tools/demo", "tools/demos", "tools/examples", "tools/security")
@@ -49,7 +49,11 @@ class Archive:
         self.parts += [head, b"\0" * (-len(head) % 4), content, b"\0" * (-len(content) % 4)]
 
     def add_file(self, path, name=None):
-        """A file of this computer, under its own path or another; a link as what it leads to."""
+        """A file of this computer, under its own path or another; of a link what it leads to as well."""
+        if name is None and os.path.islink(path):
+            real = os.path.realpath(path)
+            self.add(path, LINK, real.encode())
+            path = real
         # Python looks at when a source was changed; nothing at when this computer got the others.
         changed = int(os.stat(path).st_mtime) if path.endswith(".py") else 0
         with open(path, "rb") as file:

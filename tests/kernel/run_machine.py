@@ -44,7 +44,7 @@ def inside(kind, arguments):
         unknown = set(arguments[1:]) - {entry.name for entry in entries}
         if unknown:
             sys.exit(f"run_machine.py: {path} has no {', '.join(sorted(unknown))}; it has {' '.join(entry.name for entry in entries)}")
-        return [PYTHON, "-B", os.path.join(HERE, "boot_list.py"), path, *arguments[1:]], {}, [path, *boot_list.files(entries)]
+        return [PYTHON, os.path.join(HERE, "boot_list.py"), path, *arguments[1:]], {}, [path, *boot_list.files(entries)]
     programs = our_programs()
     environment = programs | {name: os.environ[name] for name in PASSED_ON if name in os.environ}
     files = [*programs.values(), *filter(os.path.isfile, map(os.path.abspath, arguments[1:]))]
