@@ -11,7 +11,8 @@ from realtime_calls import CannotTrace, Counts, count_calls
 
 BIT_RATE = 250000  # intervals of 4 ms: tracing takes time for each call
 INTERVAL = 0.004
-MOST = 12
+MOST = 12  # half of the intervals
+MOST_IN_ONE = 16  # 8 wake-ups, each of which may find that the gateway has taken all and is to be woken again
 
 
 class Counting(unittest.TestCase):
@@ -41,7 +42,7 @@ class RealtimeCalls(unittest.TestCase):
         # A computer that stalls moves calls from one interval to the next, so that no single one is judged there.
         self.assertLessEqual(sum(counts.of_interval), MOST * counts.intervals, counts.text())
         if OWN_TIME:
-            self.assertLessEqual(max(counts.of_interval), MOST, counts.text())
+            self.assertLessEqual(max(counts.of_interval), MOST_IN_ONE, counts.text())
         self.assertEqual(set(counts.by_name) - {"clock_nanosleep", "write"}, set(), counts.text())
 
 

@@ -20,7 +20,7 @@ from debian_kernel import LONG, Missing
 
 QEMU = "qemu-system-x86_64"
 MEMORY = 1024  # MiB
-# 2^1 ns for each instruction: a processor of 500 MIPS, which keeps pace with intervals of a line.
+# 2^0 ns for each instruction: a processor of 1000 MIPS.
 TIME = ["-accel", "tcg,thread=single", "-icount", "shift=0,sleep=off", "-rtc", "base=2026-01-01T00:00:00,clock=vm"]
 # Without instructions that copy or clear byte by byte, each byte as one instruction.
 CPU = "max,-erms,-fsrm"
