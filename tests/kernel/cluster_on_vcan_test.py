@@ -117,6 +117,7 @@ class ClusterOnVcan(unittest.TestCase):
                 file.write(bytes(range(256)))
             with self.transfer("download", given) as download:
                 self.assertEqual(download.wait(LONG), 0)
+            self.lower.wait_status("the status has come to its end, too", lambda s: s["open_transfers"] == 0)
             with self.transfer("upload", 60000, never) as cancelled:
                 self.lower.wait_status("it is open below", lambda s: s["open_transfers"] == 1)
                 cancelled.send_signal(signal.SIGINT)

@@ -50,6 +50,7 @@ class Archive:
 
     def add_file(self, path, name=None):
         """A file of this computer, under its own path or another; of a link what it leads to as well."""
+        path = os.fspath(path)
         if name is None and os.path.islink(path):
             real = os.path.realpath(path)
             self.add(path, LINK, real.encode())

@@ -124,16 +124,15 @@ class Verbs(Line):
         read = self.daemon.verb("batch", path).splitlines()[-1]
         self.assertEqual(json.loads(read)["value"], 55)
 
-    def test_record_and_plot(self):
+    def test_record(self):
         path = os.path.join(self.folder, "values.csv")
         values = self.daemon.start("set", "0=500", "4=1", "--rate", 20)
         try:
             # Rows come once the values are released.
-            recorded = wait_for("rows", lambda: (r := self.one("record", path, 1, "--duration", 1))["rows"] and r)
+            wait_for("rows", lambda: self.one("record", path, 1, "--duration", 1)["rows"])
         finally:
             values.send_signal(signal.SIGINT)
             values.communicate(timeout=LONG)
-        self.assertEqual(self.one("plot", path, "-o", path + ".svg")["rows"], recorded["rows"])
 
     def test_poll(self):
         self.assertEqual(self.one("poll", 1, 2)["result"], "done")
