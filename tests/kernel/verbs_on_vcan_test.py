@@ -161,7 +161,8 @@ class Verbs(Line):
         with open(__file__, encoding="utf-8") as file:
             text = file.read()
         # Those of a slave's bus, of J1939, and some of general frames: on the simulated bus alone.
-        for other in ("unknown_line.py", "layer2_on_vcan_test.py", "../end_to_end/layer2_test.py", "../end_to_end/j1939_test.py",
+        for other in ("unknown_line.py", "layer2_on_vcan_test.py", "../end_to_end/layer2_test.py", "../end_to_end/record_test.py",
+                      "../end_to_end/j1939_test.py",
                       "../end_to_end/cansync_slave_test.py", "../end_to_end/cansync_slave_service_test.py"):
             with open(os.path.join(os.path.dirname(__file__), other), encoding="utf-8") as file:
                 text += file.read()
