@@ -97,7 +97,7 @@ def boot(kernel, archives, memory, limit, show=print, seed=1):
     """Boots `kernel` with the file system of `archives` (cpio, one over the other) in `memory` MiB; as `run` for the rest. What runs
     in it says `exit code CODE, after SECONDS s of its own` on the console."""
     need_qemu()
-    content = hashlib.sha256(subprocess.run([QEMU, "--version"], capture_output=True, check=True).stdout)
+    content = hashlib.sha256(subprocess.run([QEMU, "--version"], capture_output=True, check=True, timeout=LONG).stdout)
     with open(kernel.image, "rb") as image:
         content.update(image.read())
     # A file without a place in any folder: nothing is left of it, however this program ends.
