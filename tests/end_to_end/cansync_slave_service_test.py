@@ -77,6 +77,7 @@ class Slave:
         return self
 
     def __exit__(self, *_):
+        self.place.look_no_more()
         end(self.process)
         self.folder.cleanup()
 
@@ -96,7 +97,7 @@ class Slave:
 
     def status(self):
         """The daemon's status, or None while it cannot be had."""
-        return self.place.look("status")
+        return self.place.look("status", daemon=self.process.pid)
 
     def wait_for_status(self, what, condition=lambda status: True):
         return wait_for(what, lambda: (status := self.status()) and condition(status) and status, pause=0.1)
