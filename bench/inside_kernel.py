@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """Runs inside the kernel under test: the daemon and the reference sender in turn on a vcan interface, and what a
-listener saw of each. Usage: inside_kernel.py BUILD INTERFACE INTERVAL_US ROUNDS SECONDS OUTPUT
-OUTPUT is a file, or - for the last line of the standard output; an interface that is not there is made."""
+listener saw of each. Usage: inside_kernel.py BUILD INTERFACE INTERVAL_US ROUNDS SECONDS"""
 
 import json
 import os
@@ -63,23 +62,22 @@ def sender(build, interface, interval, seconds):
             "handed_over": [sent[len(sent) // 2], sent[len(sent) * 99 // 100]]}
 
 
-def need(interface):
-    if not os.path.exists(f"/sys/class/net/{interface}"):
-        subprocess.run(["ip", "link", "add", "dev", interface, "type", "vcan"], check=True)
-        subprocess.run(["ip", "link", "set", interface, "up"], check=True)
+def make(interface):
+    subprocess.run(["ip", "link", "add", "dev", interface, "type", "vcan"], check=True)
+    subprocess.run(["ip", "link", "set", interface, "up"], check=True)
+
+
+def tell(found):
+    """To bench/kernel.py, outside."""
+    print(f"result {json.dumps(found)}")
 
 
 def main():
-    build, interface, interval, rounds, seconds, output = sys.argv[1:]
+    build, interface, interval, rounds, seconds = sys.argv[1:]
     interval, rounds, seconds = int(interval), int(rounds), int(seconds)
-    need(interface)
-    out = [{"daemon": daemon(build, interface, interval, seconds), "sender": sender(build, interface, interval, seconds)}
-           for _ in range(rounds)]
-    if output == "-":
-        print(json.dumps(out))
-        return
-    with open(output, "w", encoding="utf-8") as file:
-        json.dump(out, file)
+    make(interface)
+    tell([{"daemon": daemon(build, interface, interval, seconds), "sender": sender(build, interface, interval, seconds)}
+          for _ in range(rounds)])
 
 
 if __name__ == "__main__":

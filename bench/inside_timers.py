@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Runs inside the kernel under test: cyclic frames of the daemon, of the reference sender and of CAN_BCM in turn, and when
-a listener saw them. Usage: inside_timers.py BUILD INTERFACE INTERVAL_US ROUNDS SECONDS OUTPUT"""
+a listener saw them. Usage: inside_timers.py BUILD INTERFACE INTERVAL_US ROUNDS SECONDS"""
 
 import json
 import subprocess
@@ -9,7 +9,7 @@ import tempfile
 import time
 
 from frames import FIRST, PERIODS
-from inside_kernel import CPU, PRIORITY, frames, listen
+from inside_kernel import CPU, PRIORITY, frames, listen, make, tell
 
 
 def seen_of(build, interface, seconds, command):
@@ -23,7 +23,8 @@ def seen_of(build, interface, seconds, command):
 
 
 def main():
-    build, interface, _, rounds, seconds, output = sys.argv[1:]
+    build, interface, _, rounds, seconds = sys.argv[1:]
+    make(interface)
     out = []
     with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
         file.write(f'[bus]\nprotocol = "layer2"\ninterface = "{interface}"\n[realtime]\nmode = "enforce"\n'
@@ -37,8 +38,7 @@ def main():
             out.append({"daemon": seen_of(build, interface, seconds, [f"{build}/daemon/cansyncd", file.name]),
                         "sender": seen_of(build, interface, seconds, sender),
                         "bcm": seen_of(build, interface, seconds, [*sender, "bcm"])})
-    with open(output, "w", encoding="utf-8") as file:
-        json.dump(out, file)
+    tell(out)
 
 
 if __name__ == "__main__":

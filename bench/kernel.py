@@ -1,13 +1,9 @@
-"""Figures that need a kernel with CAN: G3 to G7, on vcan in a user-mode-linux that has a processor for itself, and G6
-and G7 in an emulated computer, whose time is its number of instructions."""
+"""Figures that need a kernel with CAN, G3 to G7 and G15: on vcan in the emulated computer of tests/kernel. Its time is its number of
+instructions, so that nothing outside plays a part, and one round is as good as many: two show that it is so."""
 
-import contextlib
 import json
 import os
-import signal
-import subprocess
 import sys
-import tempfile
 
 import sync_analysis
 from figures import quantile
@@ -16,89 +12,37 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 sys.path.append(os.path.join(ROOT, "tests", "kernel"))
 
 import machine  # noqa: E402: found on the path that was set above
+from debian_kernel import Missing  # noqa: E402
 
 INTERVAL = 2_000_000  # ns
-CPU = 1
+ROUNDS = 2
+RESULT = "result "  # begins the line with what a program inside has found, as JSON
+HOST_SECONDS = 20  # of this computer for one of the emulated one, at most
 
 
-@contextlib.contextmanager
-def processor_kept_awake():
-    """A loop at idle priority, so that the host's processor is never asleep when the kernel inside is due."""
-    loop = subprocess.Popen(["taskset", "-c", str(CPU), "chrt", "--idle", "0", sys.executable, "-c", "while True: pass"])
-    try:
-        yield
-    finally:
-        loop.send_signal(signal.SIGKILL)
-        loop.wait()
-
-
-def run_inside(build, script, arguments, limit):
-    """What the script left in its output, the argument behind `arguments`, as an object; None when this machine cannot boot
-    that kernel. `limit`: seconds for all of it."""
-    with tempfile.TemporaryDirectory(prefix="cansync_bench_") as folder, processor_kept_awake():
-        found = os.path.join(folder, "found.json")
-        command = ["chrt", "-f", "20", "taskset", "-c", str(CPU), sys.executable, "-B",
-                   os.path.join(ROOT, "tests", "uml", "run_uml.py"), script, *arguments]
-        environment = dict(os.environ, CANSYNC_UML_LIMIT=str(limit), CANSYNC_UML_RESULT=found,
-                           CANSYNC=f"{build}/tools/cli/cansync", CANSYNCD=f"{build}/daemon/cansyncd",
-                           CANSYNC_SIM=f"{build}/tools/simulator/cansync-sim",
-                           CANSYNC_UML_REGISTERS=f"{build}/tests/uml/libuml_registers.so")
-        done = subprocess.run(command, env=environment, check=False)
-        if done.returncode == 77:
-            return None
-        if done.returncode != 0:
-            raise RuntimeError(f"the measurement inside the kernel ended with {done.returncode}")
-        with open(found, encoding="utf-8") as file:
-            return json.load(file)
-
-
-def measure(build, rounds, seconds, script="inside_kernel.py"):
-    """What the script inside found; None when this machine cannot boot that kernel."""
-    return run_inside(build, os.path.join(ROOT, "bench", script),
-                      [build, "vcan0", str(INTERVAL // 1000), str(rounds), str(seconds)], int(60 + rounds * 3 * (seconds + 15)))
-
-
-def measure_emulated(build, rounds, seconds):
-    """What inside_kernel.py found in the emulated computer; None when this one cannot run it."""
-    programs = [f"{build}/bench/{name}" for name in ("loop_bench", "reference_sender", "reference_listener")]
-    command = ["/usr/bin/python3", "-B", os.path.join(ROOT, "bench", "inside_kernel.py"), build, "vcan0",
-               str(INTERVAL // 1000), str(rounds), str(seconds), "-"]
+def run_inside(build, script, arguments, programs, seconds):
+    """What the script of bench/ has found; None, and why, when this computer cannot run that one. `programs`: what it needs of the
+    build, `seconds`: how long it takes there."""
+    command = ["/usr/bin/python3", "-B", os.path.join(ROOT, "bench", script), *map(str, arguments)]
     lines = []
     try:
-        code = machine.run(command, {}, programs, 60 + rounds * 20 * (seconds + 15), lines.append)
-    except machine.Missing as reason:
+        code = machine.run(command, {}, [os.path.join(build, program) for program in programs], 120 + HOST_SECONDS * seconds, lines.append)
+    except Missing as reason:
         print(f"no emulated computer: {reason}")
         return None
     if code != 0:
         raise RuntimeError("the measurement in the emulated computer failed:\n" + "\n".join(lines))
-    return json.loads(next(line for line in lines if line.startswith("[{")))
+    return json.loads(next(line for line in lines if line.startswith(RESULT)).removeprefix(RESULT))
 
 
-def handing_over(figures, found, where):
-    """G7."""
-    for index, (name, target) in enumerate((("p50", 1.3), ("p99", 2.0))):
-        figures.ratio("G7", f"waking up to the last frame handed over, {where}, {name}, yardstick sender", "us",
-                      [(one["daemon"]["handed_over"][index], one["sender"]["handed_over"][index]) for one in found], target)
+def measure(build, script, programs, seconds):
+    """What the script found in each of the rounds, in which its senders are heard for `seconds` each."""
+    return run_inside(build, script, [build, "vcan0", INTERVAL // 1000, ROUNDS, seconds], ["bench/reference_listener", *programs], ROUNDS * 3 * (seconds + 6))
 
 
-def skipped(figures, found, where, seconds):
-    """G6."""
-    for one in found:
-        mine, theirs = (sync_analysis.skipped(one[side]["sync"], INTERVAL) for side in ("daemon", "sender"))
-        figures.limit("G6", f"skipped slots in {seconds} s, {where}, at most 1.5 times the sender's and 5", "", [mine], 1.5 * theirs + 5, theirs)
-
-
-def figures_emulated(figures, build, rounds, seconds):
-    """G6 and G7 where time is instructions: one round is as good as many, two show that it is so."""
-    found = measure_emulated(build, min(rounds, 2), seconds)
-    if found is not None:
-        skipped(figures, found, "emulated computer", seconds)
-        handing_over(figures, found, "emulated computer")
-
-
-def figures_on_vcan(figures, build, rounds, seconds):
+def figures_on_vcan(figures, build, seconds):
     """G3 to G7."""
-    found = measure(build, rounds, seconds)
+    found = measure(build, "inside_kernel.py", ["bench/loop_bench", "bench/reference_sender"], seconds)
     if found is None:
         return
     pairs = [(one["daemon"], one["sender"]) for one in found]
@@ -115,5 +59,9 @@ def figures_on_vcan(figures, build, rounds, seconds):
                   max(abs(sync_analysis.phase_growth(other["sync"], INTERVAL)) / 1000 for _, other in pairs))
     bunched, other_bunched = ([sync_analysis.bunched(of["sync"], INTERVAL) for of in side] for side in zip(*pairs))
     figures.limit("G5", "SYNC within half an interval of another", "", bunched, 0, max(other_bunched))
-    skipped(figures, found, "user-mode-linux", seconds)
-    handing_over(figures, found, "user-mode-linux")
+    for ours, other in pairs:
+        mine, theirs = (sync_analysis.skipped(of["sync"], INTERVAL) for of in (ours, other))
+        figures.limit("G6", f"skipped slots in {seconds} s, at most 1.5 times the sender's and 5", "", [mine], 1.5 * theirs + 5, theirs)
+    for index, (name, target) in enumerate((("p50", 1.3), ("p99", 2.0))):
+        figures.ratio("G7", f"waking up to the last frame handed over, {name}, yardstick sender", "us",
+                      [(ours["handed_over"][index], other["handed_over"][index]) for ours, other in pairs], target)

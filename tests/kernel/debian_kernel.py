@@ -7,9 +7,9 @@ import subprocess
 import tempfile
 
 CACHE = os.environ.get("CANSYNC_KERNEL_CACHE", os.path.expanduser("~/.cache/cansyncd-kernel"))
-# kvaser_pci drives the emulated controllers; the queueing disciplines hold frames back on vcan, which itself never does; veth
-# is a network cable, and udp_diag tells `ss` to which interface a socket is bound.
-MODULES = ["udp_diag", "veth", "can", "can_raw", "can_bcm", "can_dev", "can_j1939", "vcan", "kvaser_pci", "sch_tbf", "sch_plug"]
+# kvaser_pci drives the emulated controllers; the queueing disciplines hold frames back on vcan, which itself never does, etf for
+# bench/timed_slots; veth is a network cable, and udp_diag tells `ss` to which interface a socket is bound.
+MODULES = ["udp_diag", "veth", "can", "can_raw", "can_bcm", "can_dev", "can_j1939", "vcan", "kvaser_pci", "sch_tbf", "sch_plug", "sch_etf"]
 LONG = 300  # seconds; one command, a download too
 
 

@@ -1,9 +1,9 @@
 """From an unknown line to actual values in engineering units, as docs/operations.md says it, without a look at how the
 line was configured.
 
-    unknown_line.py [--lines N] [--first SEED] [--rates R,R] [RESULT]
+    unknown_line.py [--lines N] [--first SEED] [--rates R,R]
 
-Run by run_machine.py, or by tests/uml/run_uml.py, which gives RESULT: the figures as JSON.
+Run by run_machine.py.
 
 Each line is made at random by its seed (random_line.py); `cansync-sim` plays its drives on vcan0. What is compared at the
 end is what the line's maker knows. The bit rate is given: a virtual interface has none, and no master runs that would tell it.
@@ -28,8 +28,6 @@ from random_line import ECHO, POSITION, RandomLine, carried  # noqa: E402
 
 LONG = 60  # seconds; one line
 RATES = (125000, 250000, 500000, 1000000)
-LOST_AFTER = 25  # telegrams: in user-mode-linux the drives get no processor time for some intervals, now and then
-SLOW_RATES = RATES[:2]  # on a busy machine user-mode-linux keeps no shorter intervals
 TARGET, ECHOED = 1234, 77  # raw reference values 0 and 4
 
 
@@ -80,7 +78,7 @@ class UnknownLine:
     @contextlib.contextmanager
     def daemon(self, configuration):
         """The daemon while it runs; what gives its log."""
-        with Process(CANSYNCD, configuration, "--set", f"startup.lost_after={LOST_AFTER}") as daemon:
+        with Process(CANSYNCD, configuration) as daemon:
             yield daemon.text
 
     def states(self):
@@ -163,14 +161,11 @@ def main():
     parser.add_argument("--lines", type=int, default=20)
     parser.add_argument("--first", type=int, default=1)
     parser.add_argument("--rates", type=lambda text: [int(rate) for rate in text.split(",")], default=RATES)
-    parser.add_argument("result", nargs="?")
     given = parser.parse_args()
     if not interface_exists():
         create_interface()
-    figures = [run_line(seed, given.rates) for seed in range(given.first, given.first + given.lines)]
-    if given.result:
-        with open(given.result, "w", encoding="utf-8") as file:
-            json.dump(figures, file, indent=1)
+    for seed in range(given.first, given.first + given.lines):
+        run_line(seed, given.rates)
 
 
 if __name__ == "__main__":
