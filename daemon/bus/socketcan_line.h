@@ -2,13 +2,15 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 
 #include "can/link_board.h"
 #include "can/link_kernel.h"
 #include "can/link_watch.h"
-#include "can/socketcan_bus.h"
+#include "can/socketcan/bus_sockets.h"
+#include "can/socketcan/socketcan_bus.h"
 #include "daemon/bus/bus_plan.h"
 #include "daemon_config/daemon_config.h"
 
@@ -53,7 +55,8 @@ class SocketcanLine {
  private:
   std::unique_ptr<can::LinkKernel> links_;
   can::LinkBoard board_;
-  can::LinkWatch watch_;
+  std::optional<can::BusSockets> sockets_;
+  std::optional<can::LinkWatch> watch_;
   std::unique_ptr<can::SocketcanBus> bus_;
   std::string advice_;
   std::jthread thread_;

@@ -12,10 +12,11 @@ namespace can {
 /// each value stands for itself.
 class LinkBoard {
  public:
-  /// Index and state of the interface, as they go together.
+  /// What the interface is, and the socket that is bound to it, as they go together.
   struct Link {
     std::uint32_t index = 0;  ///< 0: missing, or one that must not be used
     LinkState state = LinkState::missing;
+    int socket = -1;  ///< descriptor, at most `BusSockets::kMost`; -1: none
   };
   /// State of the controller as the driver tells it when asked.
   struct Controller {
@@ -27,9 +28,12 @@ class LinkBoard {
   // --- link watch
 
   void set_link(Link link) noexcept {
-    link_.store((std::uint64_t{link.index} << 32) | static_cast<std::uint64_t>(link.state),
-                std::memory_order_release);
+    link_.store((std::uint64_t{link.index} << 32) | (static_cast<std::uint64_t>(link.socket + 1) << 8) |
+                static_cast<std::uint64_t>(link.state));
   }
+  /// The socket that the realtime thread uses, or may be about to; to be asked after `set_link`. A socket of an earlier
+  /// `set_link` that is another one is used no more.
+  int socket_in_use() const noexcept { return socket_in_use_.load(); }
   void set_bit_rate(std::uint32_t bits_per_second) noexcept {
     bits_per_second_.store(bits_per_second, std::memory_order_relaxed);
   }
@@ -55,8 +59,18 @@ class LinkBoard {
   // --- realtime thread
 
   Link link() const noexcept {
-    const std::uint64_t word = link_.load(std::memory_order_acquire);
-    return {static_cast<std::uint32_t>(word >> 32), static_cast<LinkState>(word & 0xFFu)};
+    const std::uint64_t word = link_.load();
+    return {static_cast<std::uint32_t>(word >> 32), static_cast<LinkState>(word & 0xFFu),
+            static_cast<int>(word >> 8 & 0xFFFFFFu) - 1};
+  }
+  /// Takes the socket of `link` into use, in the place of the one before. False: the watch has exchanged it meanwhile,
+  /// and none is in use.
+  bool use_socket(int socket) noexcept {
+    // In this order on both sides: either the watch sees that it is used, or this sees that it is another one.
+    socket_in_use_.store(socket);
+    if (link().socket == socket) return true;
+    socket_in_use_.store(-1);
+    return false;
   }
   std::uint32_t bit_rate() const noexcept { return bits_per_second_.load(std::memory_order_relaxed); }
   bool one_shot() const noexcept { return one_shot_.load(std::memory_order_relaxed); }
@@ -81,6 +95,7 @@ class LinkBoard {
  private:
   std::atomic<std::uint64_t> link_{static_cast<std::uint64_t>(LinkState::missing)};
   std::atomic<std::uint32_t> bits_per_second_{0};
+  std::atomic<int> socket_in_use_{-1};
   std::atomic<bool> one_shot_{false};
   std::atomic<std::uint64_t> controller_{0};
   std::atomic<std::uint32_t> era_{0};

@@ -19,6 +19,15 @@ struct LinkTiming {
   friend bool operator==(const LinkTiming&, const LinkTiming&) = default;
 };
 
+/// True when an interface with this timing is in step with nodes of `bits_per_second`: a controller whose clock does
+/// not divide exactly is set to a bit rate beside the wanted one. Half a percent is what two nodes may differ by.
+constexpr bool keeps_bit_rate(const LinkTiming& timing, std::uint32_t bits_per_second) noexcept {
+  constexpr std::uint64_t kOneIn = 200;
+  const std::uint64_t is = timing.bits_per_second;
+  const std::uint64_t wanted = bits_per_second;
+  return (is > wanted ? is - wanted : wanted - is) * kOneIn <= wanted;
+}
+
 /// What the kernel knows about a network interface. A virtual one has neither timing nor controller.
 struct LinkFacts {
   bool present = false;

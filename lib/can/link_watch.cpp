@@ -25,7 +25,7 @@ LinkState link_state(const LinkFacts& facts, std::uint32_t bits_per_second, bool
   if (!facts.present || !facts.is_can) return LinkState::missing;
   if (!matches(adapter, facts.adapter)) return LinkState::wrong_adapter;
   if (!facts.up) return LinkState::down;
-  if (facts.timing && facts.timing->bits_per_second != bits_per_second) return LinkState::wrong_bit_rate;
+  if (facts.timing && !keeps_bit_rate(*facts.timing, bits_per_second)) return LinkState::wrong_bit_rate;
   if (one_shot && !facts.one_shot.value_or(true)) return LinkState::not_one_shot;
   return LinkState::up;
 }
@@ -40,10 +40,13 @@ void LinkWatch::publish(const LinkFacts& facts, std::uint32_t era) {
   if (told_) last_told_ = facts;
   board_.set_bit_rate(facts.timing ? facts.timing->bits_per_second : 0);
   board_.set_one_shot(facts.one_shot.value_or(false));
-  const LinkState state = state_of(facts);
+  LinkBoard::Link link{facts.index, state_of(facts)};
   // What another adapter receives is that of another line: the bus is not opened on it.
-  const bool usable = facts.is_can && state != LinkState::wrong_adapter;
-  board_.set_link({usable ? facts.index : 0, state});
+  if (!facts.is_can || link.state == LinkState::wrong_adapter) link.index = 0;
+  link.socket = sockets_.bound_to(link.index);
+  if (link.index != 0 && link.socket < 0) link = {};  // gone again; tried anew at the next look
+  board_.set_link(link);
+  sockets_.close_others(board_.socket_in_use());
   LinkBoard::Controller controller;
   controller.state = facts.state.value_or(ControllerState::error_active);
   controller.transmit_errors = counter(facts.transmit_errors);
@@ -62,12 +65,24 @@ ResetResult LinkWatch::reset(const LinkFacts& facts) {
     return outcome_of(kernel_.restart(facts.index));
   }
   const int down = kernel_.set_up(facts.index, false);
-  return outcome_of(down != 0 ? down : kernel_.set_up(facts.index, true));
+  if (down != 0) return outcome_of(down);
+  const int up = kernel_.set_up(facts.index, true);
+  if (up != 0) left_down_ = facts.index;
+  return outcome_of(up);
+}
+
+void LinkWatch::set_up_again(LinkFacts& facts) {
+  if (facts.up || !facts.present || (left_down_ && *left_down_ != facts.index)) left_down_.reset();
+  if (!left_down_) return;
+  if (kernel_.set_up(facts.index, true) != 0) return;
+  left_down_.reset();
+  facts = kernel_.read(settings_.interface);
 }
 
 LinkFacts LinkWatch::look() {
   std::uint32_t era = board_.era();
   LinkFacts facts = kernel_.read(settings_.interface);
+  set_up_again(facts);
   const std::uint32_t wanted = board_.reset_wanted();
   if (wanted != board_.reset_answered()) {
     const ResetResult result = reset(facts);

@@ -9,11 +9,12 @@
 #include "can/link_board.h"
 #include "can/link_facts.h"
 #include "can/link_kernel.h"
+#include "can/socketcan/bus_sockets.h"
 
 namespace can {
 
-/// Watches the interface of a bus and carries out resets, on a thread of normal priority; the realtime thread
-/// learns of it through the board alone.
+/// Watches the interface of a bus, binds a socket to it and carries out resets, on a thread of normal priority; the
+/// realtime thread learns of it through the board alone.
 class LinkWatch {
  public:
   struct Settings {
@@ -23,9 +24,9 @@ class LinkWatch {
     AdapterPin adapter = {};            ///< which adapter it must have
   };
 
-  /// Both must outlive the watch.
-  LinkWatch(LinkKernel& kernel, LinkBoard& board, Settings settings)
-      : kernel_(kernel), board_(board), settings_(std::move(settings)) {}
+  /// All three must outlive the watch.
+  LinkWatch(LinkKernel& kernel, LinkBoard& board, BusSockets& sockets, Settings settings)
+      : kernel_(kernel), board_(board), sockets_(sockets), settings_(std::move(settings)) {}
 
   /// Reads the interface once and tells the board; then carries out a reset that is wanted. Returns what it
   /// has read.
@@ -40,12 +41,16 @@ class LinkWatch {
   LinkState state_of(const LinkFacts& facts) const noexcept;
   void publish(const LinkFacts& facts, std::uint32_t era);
   ResetResult reset(const LinkFacts& facts);
+  /// An interface that a reset has left down, because it could not be set up at once.
+  void set_up_again(LinkFacts& facts);
 
   LinkKernel& kernel_;
   LinkBoard& board_;
+  BusSockets& sockets_;
   Settings settings_;
   std::function<void(const LinkFacts&)> told_;  ///< while `run` does
   std::optional<LinkFacts> last_told_;
+  std::optional<std::uint32_t> left_down_;  ///< index of an interface that a reset has left down
 };
 
 /// What stands in the way of a bus of `bits_per_second` on an interface; with `one_shot`, also a real

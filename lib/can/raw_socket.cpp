@@ -13,7 +13,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "can/kernel_frame.h"
+#include "can/socketcan/kernel_frame.h"
 #include "system/clock.h"
 
 namespace can {

@@ -1,4 +1,4 @@
-#include "can/echo_guard.h"
+#include "can/socketcan/echo_guard.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <gtest/gtest.h>
 #include <linux/can.h>
 #include <linux/can/raw.h>
 #include <linux/errqueue.h>
@@ -12,12 +13,13 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "can/kernel.h"
 #include "can/link_kernel.h"
+#include "can/socketcan/kernel.h"
 
 namespace can::test {
 
@@ -36,7 +38,8 @@ class FakeKernel : public Kernel {
  public:
   Time now{1'000'000'000};
   Time wall_offset{500'000'000'000};  ///< CLOCK_REALTIME - CLOCK_MONOTONIC
-  int open_result = 7;
+  int open_error = 0;                 ///< of the next socket
+  std::set<int> sockets;              ///< that are open
   int bind_result = 0;
   int send_result = sizeof(can_frame);
   int receive_error = 0;   ///< what the next look says, once
@@ -49,8 +52,6 @@ class FakeKernel : public Kernel {
   std::vector<can_filter> filters;
   std::map<std::pair<int, int>, int> options;
   std::vector<int> bound;
-  bool open = false;
-
   unsigned total() const {
     unsigned sum = 0;
     for (const auto& [name, count] : calls) sum += count;
@@ -58,10 +59,11 @@ class FakeKernel : public Kernel {
   }
 
   int open_socket() noexcept override {
-    open = open_result >= 0;
-    return open_result;
+    if (open_error != 0) return open_error;
+    sockets.insert(next_socket_);
+    return next_socket_++;
   }
-  void close_socket(int) noexcept override { open = false; }
+  void close_socket(int socket) noexcept override { EXPECT_EQ(sockets.erase(socket), 1u) << socket; }
   int set_option(int, int level, int name, const void* value, std::size_t size) noexcept override {
     ++calls["setsockopt"];
     if (level == SOL_CAN_RAW && name == CAN_RAW_FILTER) {
@@ -79,12 +81,14 @@ class FakeKernel : public Kernel {
     if (bind_result >= 0) bound.push_back(interface);
     return bind_result;
   }
-  int send_frame(int, const can_frame& frame) noexcept override {
+  int send_frame(int socket, const can_frame& frame) noexcept override {
+    EXPECT_TRUE(sockets.contains(socket)) << socket;
     ++calls["send"];
     if (send_result == static_cast<int>(sizeof(can_frame))) sent.push_back(frame);
     return send_result;
   }
-  int receive(int, mmsghdr* messages, unsigned count) noexcept override {
+  int receive(int socket, mmsghdr* messages, unsigned count) noexcept override {
+    EXPECT_TRUE(sockets.contains(socket)) << socket;
     ++calls["recvmmsg"];
     if (receive_error != 0) return std::exchange(receive_error, 0);
     unsigned taken = 0;
@@ -114,6 +118,8 @@ class FakeKernel : public Kernel {
   Time realtime() noexcept override { return (now += reading_takes) + wall_offset; }
 
  private:
+  int next_socket_ = 7;
+
   static timespec stamp(const std::optional<Time>& time) {
     if (!time) return {0, 0};
     return {static_cast<time_t>(time->count() / 1'000'000'000),
@@ -152,6 +158,7 @@ class FakeLinks final : public LinkKernel {
   LinkFacts facts;
   int restart_result = 0;
   int set_up_result = 0;
+  int up_result = 0;  ///< of setting it up alone
   unsigned interrupts = 0;
   std::vector<std::string> asked;
   std::function<void(bool)> on_set_up = [](bool) {};
@@ -167,11 +174,12 @@ class FakeLinks final : public LinkKernel {
   }
   int set_up(std::uint32_t index, bool up) noexcept override {
     asked.push_back((up ? "up " : "down ") + std::to_string(index));
-    if (set_up_result == 0) {
+    const int result = up && up_result != 0 ? up_result : set_up_result;
+    if (result == 0) {
       facts.up = up;
       on_set_up(up);
     }
-    return set_up_result;
+    return result;
   }
 };
 

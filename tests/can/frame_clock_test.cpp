@@ -1,4 +1,4 @@
-#include "can/frame_clock.h"
+#include "can/socketcan/frame_clock.h"
 
 #include <gtest/gtest.h>
 

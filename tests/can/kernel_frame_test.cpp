@@ -1,4 +1,4 @@
-#include "can/kernel_frame.h"
+#include "can/socketcan/kernel_frame.h"
 
 #include <gtest/gtest.h>
 #include <linux/can/error.h>

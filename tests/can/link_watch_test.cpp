@@ -157,6 +157,12 @@ TEST(LinkState, SaysWhatStandsInTheWay) {
   EXPECT_EQ(link_state({}, 500'000), LinkState::missing);
   EXPECT_EQ(link_state(facts, 500'000), LinkState::up);
   EXPECT_EQ(link_state(facts, 250'000), LinkState::wrong_bit_rate);
+  facts.timing->bits_per_second = 497'500;
+  EXPECT_EQ(link_state(facts, 500'000), LinkState::up) << "the controller's clock does not divide exactly";
+  facts.timing->bits_per_second = 497'499;
+  EXPECT_EQ(link_state(facts, 500'000), LinkState::wrong_bit_rate) << "over 0.5 %";
+  facts.timing->bits_per_second = 502'500;
+  EXPECT_EQ(link_state(facts, 500'000), LinkState::up);
   EXPECT_EQ(link_state(facts, 500'000, true), LinkState::up) << "nothing is known of one-shot";
   facts.one_shot = false;
   EXPECT_EQ(link_state(facts, 500'000), LinkState::up);
@@ -172,7 +178,9 @@ TEST(LinkState, SaysWhatStandsInTheWay) {
 struct Rig {
   FakeLinks links;
   LinkBoard board;
-  LinkWatch watch{links, board, {"can0", 1'000'000}};
+  FakeKernel kernel;
+  BusSockets sockets{{}, kernel};
+  LinkWatch watch{links, board, sockets, {"can0", 1'000'000}};
   std::uint32_t resets = 0;
 
   ResetResult reset() {
@@ -222,6 +230,26 @@ TEST(LinkWatch, SaysWhyItCannotReset) {
   EXPECT_EQ(rig.links.asked, std::vector<std::string>{"down 5"}) << "not half";
 }
 
+TEST(LinkWatch, AnInterfaceThatAResetHasLeftDownIsSetUpAsSoonAsThatWorks) {
+  Rig rig;
+  rig.links.facts = can0();
+  rig.links.facts.state = ControllerState::error_passive;
+  rig.links.up_result = -ETIMEDOUT;
+  EXPECT_EQ(rig.reset(), ResetResult::unavailable);
+  EXPECT_FALSE(rig.links.facts.up);
+  rig.watch.look();
+  EXPECT_EQ(rig.board.link().state, LinkState::down);
+  rig.links.up_result = 0;
+  rig.watch.look();
+  EXPECT_EQ(rig.board.link().state, LinkState::up);
+  EXPECT_EQ(rig.links.asked, (std::vector<std::string>{"down 5", "up 5", "up 5", "up 5"}));
+
+  rig.links.facts.up = false;  // by somebody else
+  rig.watch.look();
+  EXPECT_EQ(rig.board.link().state, LinkState::down);
+  EXPECT_EQ(rig.links.asked.size(), 4u) << "who sets it down wants it so";
+}
+
 LinkFacts with_serial(char serial) {
   LinkFacts facts = can0();
   facts.adapter.serial = {serial};
@@ -230,7 +258,7 @@ LinkFacts with_serial(char serial) {
 
 TEST(LinkWatch, AnotherAdapterIsNeitherUsedNorReset) {
   Rig rig;
-  LinkWatch watch{rig.links, rig.board, {"can0", 1'000'000, false, read_pin("serial=A").pin}};
+  LinkWatch watch{rig.links, rig.board, rig.sockets, {"can0", 1'000'000, false, read_pin("serial=A").pin}};
   rig.links.facts = with_serial('A');
   watch.look();
   EXPECT_EQ(rig.board.link().state, LinkState::up);
@@ -258,7 +286,9 @@ TEST(LinkWatch, AnotherAdapterIsNeitherUsedNorReset) {
 TEST(LinkWatch, TellsWhatItFoundBeforeTheBoardHasIt) {
   FakeLinks links;
   LinkBoard board;
-  LinkWatch watch{links, board, {"can0", 1'000'000, false, read_pin("serial=A").pin}};
+  FakeKernel kernel;
+  BusSockets sockets{{}, kernel};
+  LinkWatch watch{links, board, sockets, {"can0", 1'000'000, false, read_pin("serial=A").pin}};
   std::stop_source stop;
   std::vector<LinkState> board_had;
   std::vector<char> found;

@@ -1,4 +1,4 @@
-#include "can/socketcan_bus.h"
+#include "can/socketcan/socketcan_bus.h"
 
 #include <gtest/gtest.h>
 #include <linux/can/error.h>
@@ -33,17 +33,16 @@ Frame frame(std::uint32_t id) {
 /// A bus on a fake kernel, with the watch of its interface called by hand.
 struct Rig {
   explicit Rig(const LinkFacts& facts = can0(), bool wake_on_frame = false)
-      : bus((links.facts = facts, watch.look(),
-             SocketcanSettings{{{.identifier = 0x010},
-                                {.identifier = 0x100, .mask = 0x780},
-                                {0x18DAF110, CAN_EFF_MASK, FlagFilter::set, FlagFilter::set}},
-                               wake_on_frame}),
-            board, links, kernel) {}
+      : bus((links.facts = facts, watch.look(), SocketcanSettings{wake_on_frame}), board, links, kernel) {}
 
   FakeKernel kernel;
   FakeLinks links;
   LinkBoard board;
-  LinkWatch watch{links, board, {"can0", 1'000'000}};
+  BusSockets sockets{{{.identifier = 0x010},
+                      {.identifier = 0x100, .mask = 0x780},
+                      {0x18DAF110, CAN_EFF_MASK, FlagFilter::set, FlagFilter::set}},
+                     kernel};
+  LinkWatch watch{links, board, sockets, {"can0", 1'000'000}};
   SocketcanBus bus;
 
   /// A frame with the kernel's stamp of now, `ago` before.
@@ -94,11 +93,9 @@ TEST(SocketcanBus, SetsTheSocketUpAsNeeded) {
 
 TEST(SocketcanBus, AKernelWithoutCanIsNamed) {
   FakeKernel kernel;
-  FakeLinks links;
-  LinkBoard board;
-  kernel.open_result = -EAFNOSUPPORT;
+  kernel.open_error = -EAFNOSUPPORT;
   try {
-    const SocketcanBus bus({}, board, links, kernel);
+    const BusSockets sockets({}, kernel);
     FAIL() << "no exception";
   } catch (const std::system_error& error) {
     EXPECT_NE(std::string(error.what()).find("modprobe can-raw"), std::string::npos);
@@ -148,7 +145,7 @@ TEST(SocketcanBus, WhileNothingCanBeSentTheKernelIsNotAsked) {
   }
 }
 
-TEST(SocketcanBus, AnInterfaceThatReturnsIsBoundAgainWithItsFilters) {
+TEST(SocketcanBus, AnInterfaceThatReturnsHasASocketOfItsOwn) {
   Rig rig(LinkFacts{});
   EXPECT_EQ(rig.bus.status().link, LinkState::missing);
   EXPECT_TRUE(rig.kernel.bound.empty()) << "a socket bound to no interface receives from all";
@@ -164,20 +161,39 @@ TEST(SocketcanBus, AnInterfaceThatReturnsIsBoundAgainWithItsFilters) {
   rig.watch.look();
   EXPECT_EQ(rig.bus.status().link, LinkState::missing);
   rig.links.facts = can0();
-  rig.links.facts.index = 9;  // another device under the same name
-  rig.watch.look();
+  rig.links.facts.index = 9;   // another device under the same name
   rig.kernel.filters.clear();  // the old one took them along
+  rig.watch.look();
+  EXPECT_EQ(rig.kernel.sockets, std::set<int>{8});
   const unsigned before = rig.kernel.total();
   EXPECT_EQ(rig.bus.status().link, LinkState::up);
-  EXPECT_EQ(rig.kernel.total(), before + 2);
+  EXPECT_EQ(rig.kernel.total(), before)
+      << "the realtime thread waits for no lock of the network configuration";
   EXPECT_EQ(rig.kernel.bound, (std::vector<int>{5, 9}));
   EXPECT_EQ(rig.kernel.filters.size(), 3u);
   EXPECT_EQ(rig.bus.send(frame(0x105)), SendResult::queued);
 }
 
+TEST(SocketcanBus, ASocketIsClosedOnceTheRealtimeThreadHasAnother) {
+  Rig rig;
+  EXPECT_EQ(rig.kernel.sockets, std::set<int>{7});
+  rig.links.facts.index = 9;
+  rig.watch.look();
+  EXPECT_EQ(rig.kernel.sockets, (std::set<int>{7, 8})) << "it is still used";
+  EXPECT_EQ(rig.bus.send(frame(0x105)), SendResult::queued);
+  rig.links.facts.index = 10;
+  rig.watch.look();
+  EXPECT_EQ(rig.kernel.sockets, (std::set<int>{7, 9})) << "nobody has ever used the one between";
+  EXPECT_EQ(rig.bus.status().link, LinkState::missing) << "for once, for it was gone";
+  EXPECT_EQ(rig.bus.status().link, LinkState::up);
+  rig.watch.look();
+  EXPECT_EQ(rig.kernel.sockets, std::set<int>{9});
+  EXPECT_EQ(rig.bus.send(frame(0x105)), SendResult::queued);
+}
+
 TEST(SocketcanBus, OnAnotherAdapterNothingIsSentOrReceived) {
   Rig rig;
-  LinkWatch watch{rig.links, rig.board, {"can0", 1'000'000, false, read_pin("serial=A").pin}};
+  LinkWatch watch{rig.links, rig.board, rig.sockets, {"can0", 1'000'000, false, read_pin("serial=A").pin}};
   rig.links.facts.index = 9;
   watch.look();
   EXPECT_EQ(rig.bus.status().link, LinkState::wrong_adapter);
@@ -196,6 +212,7 @@ TEST(SocketcanBus, ABindThatFailsIsTriedAgain) {
   EXPECT_EQ(rig.bus.status().link, LinkState::missing);
   EXPECT_EQ(rig.bus.send(frame(0x105)), SendResult::interface_down);
   rig.kernel.bind_result = 0;
+  rig.watch.look();
   EXPECT_EQ(rig.bus.status().link, LinkState::up);
 }
 

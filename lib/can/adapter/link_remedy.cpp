@@ -35,7 +35,7 @@ std::string link_remedy(const std::string& name, const LinkFacts& link, std::uin
   }
   if (!link.present)
     return "plug the adapter in or load its driver; `ip -br link show type can` lists the CAN interfaces";
-  if (link.timing && (bit_rate == 0 || link.timing->bits_per_second == bit_rate)) return up(name);
+  if (link.timing && (bit_rate == 0 || keeps_bit_rate(*link.timing, bit_rate))) return up(name);
   if (bit_rate != 0) return up(name) + " type can bitrate " + std::to_string(bit_rate);
   return up(name) + " type can bitrate 500000   (the bit rate of the bus)";
 }

@@ -6,7 +6,7 @@
 
 #include "can/fake_kernel.h"
 #include "can/link_watch.h"
-#include "can/socketcan_bus.h"
+#include "can/socketcan/socketcan_bus.h"
 #include "daemon/bus/socketcan_line.h"
 #include "daemon/layer2/segment/layer2_segment.h"
 #include "frame_machine_rig.h"
@@ -28,11 +28,11 @@ class EchoingKernel final : public can::test::FakeKernel {
   std::vector<can::Time> sent_at;
 };
 
-can::SocketcanSettings of_a_configuration() {
+BusPlan of_a_configuration() {
   Layer2Config config;
   config.bus.kind = BusKind::socketcan;
   config.bus.interface = "can0";
-  return socketcan_settings(Layer2Parts::bus_plan(config));
+  return Layer2Parts::bus_plan(config);
 }
 
 TEST(FrameMachine, AllTimersDueAtOnceSendAtOnce) {
@@ -50,9 +50,11 @@ TEST(FrameMachine, AllTimersDueAtOnceSendAtOnce) {
   can::test::FakeLinks links;
   links.facts = can::test::can0();
   can::LinkBoard board;
-  can::LinkWatch watch(links, board, {"can0", 1'000'000});
+  const BusPlan plan = of_a_configuration();
+  can::BusSockets sockets(plan.filters, kernel);
+  can::LinkWatch watch(links, board, sockets, {"can0", 1'000'000});
   watch.look();
-  can::SocketcanBus bus(of_a_configuration(), board, links, kernel);
+  can::SocketcanBus bus(socketcan_settings(plan), board, links, kernel);
   Layer2Exchange exchange(16, 64);
   FrameMachine machine(settings, bus, exchange);
   DeadlineLoop<FrameMachine> loop(machine, bus);

@@ -41,12 +41,12 @@ bool is_virtual(const can::LinkFacts& link) noexcept {
 /// CANsync.
 std::optional<std::uint32_t> wanted_bit_rate(const DoctorInput& in) {
   if (in.status) return in.status->bus.bit_rate;
-  const bool possible =
-      in.link.timing && std::any_of(can::kBitTimingPresets.begin(), can::kBitTimingPresets.end(),
-                                    [&in](const can::BitTimingPreset& preset) {
-                                      return preset.bits_per_second == in.link.timing->bits_per_second;
-                                    });
-  return possible ? std::optional(in.link.timing->bits_per_second) : std::nullopt;
+  if (!in.link.timing) return std::nullopt;
+  const auto preset = std::find_if(can::kBitTimingPresets.begin(), can::kBitTimingPresets.end(),
+                                   [&in](const can::BitTimingPreset& one) {
+                                     return can::keeps_bit_rate(*in.link.timing, one.bits_per_second);
+                                   });
+  return preset != can::kBitTimingPresets.end() ? std::optional(preset->bits_per_second) : std::nullopt;
 }
 
 /// Sample points that suit, the usual one first: that of the configuration when known, else those of the
@@ -101,8 +101,9 @@ bool look_at_presence(const DoctorInput& in, FindingList& out) {
   }
   const bool nothing_to_set = is_virtual(in.link);
   if (!in.link.up) {
-    const bool is_set = nothing_to_set || (in.link.timing && in.link.timing->bits_per_second ==
-                                                                 wanted_bit_rate(in).value_or(0));
+    const bool is_set =
+        nothing_to_set ||
+        (in.link.timing && can::keeps_bit_rate(*in.link.timing, wanted_bit_rate(in).value_or(0)));
     out.error("interface", fmt::format("{} is down", name),
               is_set ? fmt::format("ip link set {} up", name) : set_timing(in));
   } else if (nothing_to_set) {
@@ -163,12 +164,15 @@ void look_at_timing(const DoctorInput& in, FindingList& out) {
     out.error("bit rate", found + ": no bit rate of CANsync", set_timing(in));
     return;
   }
-  if (timing.bits_per_second != *wanted) {
+  if (!can::keeps_bit_rate(timing, *wanted)) {
     out.error("bit rate", fmt::format("{}, but the bus has {}: nothing is sent", found, *wanted),
               set_timing(in));
     return;
   }
-  out.ok("bit rate", found);
+  out.ok("bit rate", timing.bits_per_second == *wanted
+                         ? found
+                         : fmt::format("{}: the controller's clock makes no {}; up to 0.5 % is no matter",
+                                       found, *wanted));
   const auto points = wanted_sample_points(in, *wanted);
   if (timing.sample_point == 0 || points.empty()) return;
   const std::string point = fmt::format("0.{:03}", timing.sample_point);

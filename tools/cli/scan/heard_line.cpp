@@ -60,7 +60,9 @@ void look_at_interface(const std::string& name, HeardLine& line) {
 
 /// What was typed, or the interface is set to.
 void choose_rate(HeardLine& line, std::optional<BitRate> typed) {
-  const auto set = line.link.timing ? slot_times_for(line.link.timing->bits_per_second) : std::nullopt;
+  std::optional<SlotTimes> set;
+  for (const SlotTimes& times : kSlotTimes)
+    if (line.link.timing && can::keeps_bit_rate(*line.link.timing, times.bits_per_second)) set = times;
   if (typed) {
     line.bit_rate = typed;
     line.rate_source = RateSource::typed;

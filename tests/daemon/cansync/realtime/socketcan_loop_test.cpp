@@ -22,11 +22,11 @@ TEST(SocketcanLoop, ReceivesExactlyWhatTheMasterNeeds) {
   settings.slaves[2].configured = true;
   settings.slaves[31].configured = true;
   Config config = config_for(settings);
-  EXPECT_EQ(socketcan_settings(bus_plan(config)).filters.size(), 10u);
+  EXPECT_EQ(bus_plan(config).filters.size(), 10u);
   config.sync.input = SyncInput::can;
   config.sync.can_identifier = 0x080;
   const auto passed = [&config] {
-    const auto filters = socketcan_settings(bus_plan(config)).filters;
+    const auto filters = bus_plan(config).filters;
     std::vector<std::uint32_t> all;
     for (std::uint32_t id = 0; id <= 0x7FF; ++id) {
       if (std::any_of(filters.begin(), filters.end(),

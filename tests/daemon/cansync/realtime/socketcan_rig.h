@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "can/fake_kernel.h"
-#include "can/kernel_frame.h"
 #include "can/link_watch.h"
-#include "can/socketcan_bus.h"
+#include "can/socketcan/kernel_frame.h"
+#include "can/socketcan/socketcan_bus.h"
 #include "daemon/bus/socketcan_line.h"
 #include "daemon/cansync/bus/bus_plan.h"
 #include "daemon/cansync/realtime/realtime_loop.h"
@@ -65,8 +65,8 @@ class LineKernel final : public can::Kernel {
     told_down_ = false;
   }
 
-  int open_socket() noexcept override { return 3; }
-  void close_socket(int) noexcept override {}
+  int open_socket() noexcept override { return fake_.open_socket(); }
+  void close_socket(int socket) noexcept override { fake_.close_socket(socket); }
   int set_option(int, int level, int name, const void* value, std::size_t size) noexcept override {
     ++calls["setsockopt"];
     if (level != SOL_CAN_RAW || name != CAN_RAW_FILTER) return 0;
@@ -94,7 +94,7 @@ class LineKernel final : public can::Kernel {
     }
     return line_.send(out) == can::SendResult::queued ? static_cast<int>(sizeof(frame)) : -ENOBUFS;
   }
-  int receive(int, mmsghdr* messages, unsigned count) noexcept override {
+  int receive(int socket, mmsghdr* messages, unsigned count) noexcept override {
     ++calls["recvmmsg"];
     if (!std::exchange(told_down_, true)) return -ENETDOWN;
     while (!errors.empty()) {
@@ -105,7 +105,7 @@ class LineKernel final : public can::Kernel {
     }
     drain();
     if (deaf) return -EAGAIN;
-    return fake_.receive(3, messages, count);
+    return fake_.receive(socket, messages, count);
   }
   int sleep_until(can::Time deadline) noexcept override {
     ++calls["clock_nanosleep"];
@@ -201,7 +201,8 @@ struct Rig {
   LineKernel kernel{line};
   can::test::FakeLinks links;
   can::LinkBoard board;
-  can::LinkWatch watch{links, board, {"can0", 1'000'000}};
+  can::BusSockets sockets{bus_plan(config).filters, kernel};
+  can::LinkWatch watch{links, board, sockets, {"can0", 1'000'000}};
   can::SocketcanBus bus;
   CountedWire wire{line};
   Exchange exchange{ExchangeSizes{}};

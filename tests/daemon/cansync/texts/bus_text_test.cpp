@@ -68,6 +68,26 @@ TEST(InterfaceRefusal, NamesTheCommandThatSetsTheBitRate) {
   EXPECT_EQ(interface_refusal(config.bus, virtual_one), "");
 }
 
+TEST(InterfaceRefusal, AClockThatDoesNotDivideExactlyIsTakenWithinHalfAPercent) {
+  const Config config = can_config();
+  EXPECT_EQ(interface_refusal(config.bus, can::test::can0(498'753)), "");
+  EXPECT_NE(
+      interface_refusal(config.bus, can::test::can0(496'031))
+          .find("It may be 0.8 % off because the controller's clock makes no better one; allowed: 0.5 %"),
+      std::string::npos);
+  EXPECT_EQ(interface_refusal(config.bus, can::test::can0(250'000)).find("clock"), std::string::npos);
+}
+
+TEST(InterfaceRefusal, WhatIsNotSetUpYetIsNotRefusedForItsMode) {
+  Config config = can_config();
+  config.bus.one_shot = OneShot::enforce;
+  can::LinkFacts link = can::test::can0(500'000);
+  link.one_shot = false;
+  EXPECT_NE(interface_refusal(config.bus, link), "");
+  link.up = false;
+  EXPECT_EQ(interface_refusal(config.bus, link), "") << "once it is up nothing is sent until it has the mode";
+}
+
 TEST(BusEvents, EachStateOfTheInterfaceSaysWhatToDo) {
   const Config config = can_config();
   using can::LinkState;

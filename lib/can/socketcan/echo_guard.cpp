@@ -1,4 +1,4 @@
-#include "can/echo_guard.h"
+#include "can/socketcan/echo_guard.h"
 
 namespace can {
 namespace {

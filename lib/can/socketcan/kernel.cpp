@@ -1,4 +1,4 @@
-#include "can/kernel.h"
+#include "can/socketcan/kernel.h"
 
 #include <linux/can/raw.h>
 #include <poll.h>

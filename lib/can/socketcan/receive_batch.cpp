@@ -1,4 +1,4 @@
-#include "can/receive_batch.h"
+#include "can/socketcan/receive_batch.h"
 
 #include <linux/errqueue.h>
 

@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "can/bus.h"
-#include "can/kernel.h"
+#include "can/socketcan/kernel.h"
 
 namespace can {
 

@@ -1,87 +1,24 @@
-#include "can/socketcan_bus.h"
+#include "can/socketcan/socketcan_bus.h"
 
-#include <linux/can/error.h>
-#include <linux/can/raw.h>
-#include <linux/net_tstamp.h>
+#include <linux/can.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <cstring>
-#include <system_error>
 
-#include "can/error_frame.h"
-#include "can/kernel_frame.h"
+#include "can/socketcan/error_frame.h"
+#include "can/socketcan/kernel_frame.h"
 
 namespace can {
-namespace {
-
-int opened(Kernel& kernel) {
-  const int socket = kernel.open_socket();
-  if (socket >= 0) return socket;
-  const char* what = socket == -EAFNOSUPPORT || socket == -EPROTONOSUPPORT
-                         ? "SocketCAN: the kernel has none; load it with: modprobe can-raw"
-                         : "SocketCAN: opening a socket";
-  throw std::system_error(-socket, std::generic_category(), what);
-}
-
-std::vector<can_filter> to_filters(const std::vector<FrameFilter>& filters) {
-  std::vector<can_filter> out;
-  out.reserve(filters.size());
-  for (const FrameFilter& filter : filters) out.push_back(to_kernel(filter));
-  return out;
-}
-
-}  // namespace
 
 SocketcanBus::SocketcanBus(const SocketcanSettings& settings, LinkBoard& board, LinkKernel& links,
-                           Kernel& kernel)
+                           Kernel& kernel) noexcept
     : kernel_(kernel),
       board_(board),
       links_(links),
       wake_on_frame_(settings.wake_on_frame),
-      filters_(to_filters(settings.filters)),
-      socket_(opened(kernel)),
       clock_(kernel),
       guard_(settings.interval) {
-  try {
-    set_options();
-  } catch (...) {
-    kernel_.close_socket(socket_);
-    throw;
-  }
   status_.link = LinkState::missing;
   take_up_link();
-}
-
-SocketcanBus::~SocketcanBus() {
-  kernel_.close_socket(socket_);
-}
-
-void SocketcanBus::set_options() {
-  const auto must = [](int result, const char* what) {
-    if (result < 0) throw std::system_error(-result, std::generic_category(), what);
-  };
-  const auto set = [this](int level, int name, int value) {
-    return kernel_.set_option(socket_, level, name, &value, sizeof(value));
-  };
-  must(set_filters(), "SocketCAN: setting the identifier filter");
-  const can_err_mask_t errors = CAN_ERR_MASK;
-  must(kernel_.set_option(socket_, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof(errors)),
-       "SocketCAN: switching error frames on");
-  must(set(SOL_CAN_RAW, CAN_RAW_LOOPBACK, 1), "SocketCAN: switching the loopback on");
-  must(set(SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, 1), "SocketCAN: reading own frames back");
-  must(set(SOL_SOCKET, SO_RXQ_OVFL, 1), "SocketCAN: counting drops");
-  must(set(SOL_SOCKET, SO_TIMESTAMPING,
-           SOF_TIMESTAMPING_RX_SOFTWARE | SOF_TIMESTAMPING_SOFTWARE | SOF_TIMESTAMPING_RX_HARDWARE |
-               SOF_TIMESTAMPING_RAW_HARDWARE),
-       "SocketCAN: switching time stamps on");
-  // The kernel's least: a handful of frames. What does not leave in time is to be seen, not queued.
-  must(set(SOL_SOCKET, SO_SNDBUF, 0), "SocketCAN: setting the send buffer");
-}
-
-int SocketcanBus::set_filters() noexcept {
-  return kernel_.set_option(socket_, SOL_CAN_RAW, CAN_RAW_FILTER, filters_.data(),
-                            filters_.size() * sizeof(can_filter));
 }
 
 Wake SocketcanBus::sleep(Time deadline, bool wake_on_frame) noexcept {
@@ -89,7 +26,7 @@ Wake SocketcanBus::sleep(Time deadline, bool wake_on_frame) noexcept {
   looked_ = false;
   const Time left = deadline - kernel_.monotonic();
   if (left <= Time{0}) return Wake::deadline;
-  if (wake_on_frame && bound_ != 0) {
+  if (wake_on_frame && socket_ >= 0) {
     const int ready = kernel_.wait_readable(socket_, left);
     if (ready > 0) return Wake::frame;
     if (ready < 0) return Wake::interrupted;
@@ -110,7 +47,7 @@ bool SocketcanBus::receive(ReceivedFrame& out) noexcept {
       }
       if (taken) return true;
     }
-    if (looked_ || bound_ == 0) return false;
+    if (looked_ || socket_ < 0) return false;
     look();
   }
 }
@@ -172,7 +109,7 @@ void SocketcanBus::account(const can_frame& frame) noexcept {
 }
 
 SendResult SocketcanBus::send(const Frame& frame) noexcept {
-  if (bound_ == 0 || status_.link != LinkState::up) return SendResult::interface_down;
+  if (socket_ < 0 || status_.link != LinkState::up) return SendResult::interface_down;
   if (status_.state == ControllerState::bus_off) return SendResult::bus_off;
   // Where reading the clock is a system call, each reading delays the telegrams behind it.
   if (!guard_.may_send(guard_.wants_time() ? kernel_.monotonic() : Time{0})) return SendResult::not_delivered;
@@ -232,21 +169,19 @@ void SocketcanBus::guard_controller() noexcept {
   if (guard_.wants_reset() && !reset_asked_ && now >= next_reset_) reset();
 }
 
-/// An interface that has gone takes the socket's filters along: both are set anew on the one that came back.
+/// An interface that has come back has another socket. Were it back before anybody has seen that it was gone, it
+/// counts as missing for once: what was on the way is lost, and so is what its nodes knew.
 void SocketcanBus::take_up_link() noexcept {
   const LinkBoard::Link link = board_.link();
   status_.bits_per_second = board_.bit_rate();
   status_.link = link.state;
-  if (link.index == bound_) return;
-  bound_ = 0;
-  if (link.index == 0) return;
+  if (link.socket == socket_) return;
   clock_.forget_hardware();
-  const bool bound = set_filters() >= 0 && kernel_.bind_to(socket_, static_cast<int>(link.index)) >= 0;
-  if (bound) {
-    bound_ = link.index;
-  } else {
-    status_.link = LinkState::missing;  // gone again; tried anew at the next call
-  }
+  drops_seen_ = 0;
+  const bool exchanged = socket_ >= 0;
+  // What the watch has exchanged once more meanwhile is taken at the next call.
+  socket_ = board_.use_socket(link.socket) ? link.socket : -1;
+  if (status_.link == LinkState::up && (exchanged || socket_ < 0)) status_.link = LinkState::missing;
 }
 
 ResetResult SocketcanBus::reset() noexcept {

@@ -9,8 +9,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "can/frame_clock.h"
-#include "can/kernel.h"
+#include "can/socketcan/frame_clock.h"
+#include "can/socketcan/kernel.h"
 
 namespace can {
 

@@ -1,4 +1,4 @@
-#include "can/error_frame.h"
+#include "can/socketcan/error_frame.h"
 
 #include <linux/can/error.h>
 
