@@ -296,6 +296,7 @@ bool Master::silent() const noexcept {
 void Master::bus_lost() noexcept {
   impl_->supervision.bus_lost();
   impl_->command_channel.bus_lost();
+  impl_->process.bus_lost();
 }
 
 void Master::bus_away() noexcept {

@@ -194,8 +194,9 @@ class Master {
   /// A SYNC that is not the master's own was on the bus: another master sends.
   void other_sync() noexcept;
 
-  /// The interface is gone or down: no slave responds until it has answered again, and then it is activated
-  /// anew. The state stays, and so do open jobs.
+  /// The interface is gone or down, the controller off the bus for long, or nobody acknowledges: no slave responds until it has answered again, and then it is activated
+  /// anew. The state stays, and so do open jobs. Reference values that were given before are not released when
+  /// it is back.
   void bus_lost() noexcept;
 
   /// Nothing can be received: from now on the master is silent.

@@ -54,6 +54,21 @@ TEST(ReferenceRelease, ValuesGrowTooOldExactlyAfterTheirIntervals) {
   EXPECT_EQ(rig->master.release(Channel::two).too_old, 0u) << "nothing was ever given";
 }
 
+TEST(ReferenceRelease, WhatWasGivenBeforeTheBusWasLostIsNotSentWhenItIsBack) {
+  auto rig = line(0, 0);
+  ReferenceUpdate later = values(8, 1000);
+  later.from_interval = rig->next_interval + 10;
+  ASSERT_EQ(rig->master.submit(values(7, 1000)), Refusal::none);
+  ASSERT_EQ(rig->master.submit(later), Refusal::none);
+  EXPECT_EQ(released(*rig), 7);
+  rig->master.bus_lost();
+  for (int i = 0; i < 50; ++i) EXPECT_EQ(released(*rig), std::nullopt);
+  EXPECT_EQ(rig->master.release(Channel::one).cause, Cause::bus_lost);
+  EXPECT_EQ(rig->told.count(Code::references_stopped), 1u);
+  ASSERT_EQ(rig->master.submit(values(9, 5)), Refusal::none);
+  EXPECT_EQ(row_of(*rig, 9), 5u);
+}
+
 TEST(ReferenceRelease, SkippedIntervalsCountAsUsed) {
   auto rig = line(0, 0);
   ASSERT_EQ(rig->master.submit(values(7, 10)), Refusal::none);

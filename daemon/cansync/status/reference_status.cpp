@@ -35,6 +35,8 @@ std::string_view name(ReleaseStatus::Cause cause) noexcept {
       return "withdrawn";
     case ReleaseStatus::Cause::mapping_changed:
       return "mapping_changed";
+    case ReleaseStatus::Cause::bus_lost:
+      return "bus_lost";
   }
   return "unknown";
 }

@@ -40,7 +40,7 @@ struct ReferenceGiver {
 };
 
 /// Why values are held or stopped, as a stable word: writer_lost, given_up, deadline_missed, too_old,
-/// mapping_changed, used_up, withdrawn, none_given; empty when they are released.
+/// mapping_changed, bus_lost, used_up, withdrawn, none_given; empty when they are released.
 std::string_view release_cause(const cansync::ReleaseStatus& release, Loss loss) noexcept;
 
 /// Fills the members `reference_release`; `lead_axis`: the telegrams that the lead axis of a cluster gives.

@@ -88,6 +88,13 @@ bool ProcessData::fits_words(const ReferenceUpdate& update) const noexcept {
   return true;
 }
 
+void ProcessData::bus_lost() noexcept {
+  for (const Channel channel : {Channel::one, Channel::two}) {
+    output_[index(channel)].release.bus_lost();
+    check_.withdrawn(channel);
+  }
+}
+
 void ProcessData::stop_release(Channel channel, std::uint32_t hold) noexcept {
   output_[index(channel)].release.withdraw(hold);
   check_.withdrawn(channel);

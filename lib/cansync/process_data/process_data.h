@@ -38,6 +38,8 @@ class ProcessData : private ActualSource {
   /// `value_too_wide`, `interval_passed`, `too_old`, and `queue_full` when too many wait; the release before
   /// goes on then, unless the update `takes_over`.
   Refusal update(const ReferenceUpdate& update) noexcept;
+  /// Ends what is released, and forgets what was given for later.
+  void bus_lost() noexcept;
   /// See `Master::stop_release`; `hold` in intervals, 0: at once.
   void stop_release(Channel channel, std::uint32_t hold) noexcept;
 

@@ -1,6 +1,7 @@
 #include "cansync/process_data/reference_release.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace cansync {
 
@@ -32,12 +33,23 @@ void ReferenceRelease::withdraw(std::uint32_t hold) noexcept {
 }
 
 void ReferenceRelease::mapping_changed() noexcept {
-  pending_count_ = 0;
+  if (forget(Cause::mapping_changed)) ++status_.mapping_changed;
+}
+
+void ReferenceRelease::bus_lost() noexcept {
+  (void)forget(Cause::bus_lost);
+}
+
+bool ReferenceRelease::forget(Cause cause) noexcept {
+  const bool waited = std::exchange(pending_count_, 0) != 0;
   watched_ = false;
   hold_wanted_ = 0;
-  if (status_.state == State::stopped) return;
-  ++status_.mapping_changed;
-  end(Cause::mapping_changed);
+  if (status_.state == State::stopped) {
+    if (waited) status_.cause = cause;
+    return false;
+  }
+  end(cause);
+  return true;
 }
 
 void ReferenceRelease::end(Cause cause) noexcept {

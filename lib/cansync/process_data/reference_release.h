@@ -40,6 +40,9 @@ class ReferenceRelease {
   /// The values that were given mean something else from now on: forgets what waits, and stops the release.
   void mapping_changed() noexcept;
 
+  /// The bus is gone: forgets what waits, and stops the release.
+  void bus_lost() noexcept;
+
   /// Once an interval, before the telegram is built: the next update that is due, for `take` or `refuse`.
   std::optional<ReferenceUpdate> next_due(IntervalNumber now) noexcept;
   /// An update of `next_due` is taken into use.
@@ -62,6 +65,8 @@ class ReferenceRelease {
   static constexpr std::size_t kPendingUpdates = 16;
   static constexpr IntervalNumber kQuietIntervals = 1000;
 
+  /// False: nothing was released or held.
+  bool forget(Cause cause) noexcept;
   void end(Cause cause) noexcept;
   void skip_missed(IntervalNumber now) noexcept;
   void never_begin(IntervalNumber now) noexcept;

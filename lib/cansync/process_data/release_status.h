@@ -21,6 +21,7 @@ struct ReleaseStatus {
     too_old,          ///< no newer values within `ProcessSettings::too_old_after`
     withdrawn,        ///< by `Master::stop_release`, or another giver took over whose values were refused
     mapping_changed,  ///< given for another reference mapping than the one in force
+    bus_lost,         ///< given before the bus was gone
   };
   State state = State::stopped;
   Cause cause = Cause::none;  ///< of being held or stopped

@@ -409,6 +409,12 @@ INSTANTIATE_TEST_SUITE_P(
                 put(in.status->master->reference_release[0].cause, "writer_lost");
               },
               "stopped because of writer_lost", "cansync events"},
+        Fault{"references 1", Level::warning,
+              [](In& in) {
+                put(in.status->master->reference_release[0].state, "stopped");
+                put(in.status->master->reference_release[0].cause, "bus_lost");
+              },
+              "stopped: what was given before the bus was lost is not sent any more", "give new values"},
         Fault{"missed", Level::warning,
               [](In& in) {
                 in.status->realtime.missed_syncs = 12;

@@ -171,6 +171,10 @@ void look_at_references(const client::MasterStatus& master, FindingList& out) {
                cause == "mapping_changed") {
       out.warning(topic, fmt::format("{} because of {}: a drive that needs them faults", state, cause),
                   "look at the program that gives them; cansync events says when it ended");
+    } else if (cause == "bus_lost") {
+      out.warning(topic,
+                  fmt::format("{}: what was given before the bus was lost is not sent any more", state),
+                  "let the program give new values; cansync events says what the bus had");
     } else if (cause.empty() || cause == "none_given") {
       out.ok(topic, "nobody has given any");
     } else {
