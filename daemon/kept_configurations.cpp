@@ -92,7 +92,8 @@ std::optional<std::string> KeptConfigurations::keep(const std::string& path, con
   }
   const std::uint64_t number = before.empty() ? 1 : before.front().number + 1;
   const std::string file = (fs::path(folder_) / fmt::format("{}.{}{}", name, number, kEnding)).string();
-  if (const auto failed = replace_file(file, text)) return fmt::format("{}: {}", file, *failed);
+  if (const auto failed = replace_file(file, text, {.durable = true}))
+    return fmt::format("{}: {}", file, *failed);
   std::error_code ignored;  // one too many harms nothing
   for (std::size_t i = kMost - 1; i < before.size(); ++i) fs::remove(before[i].path, ignored);
   return std::nullopt;

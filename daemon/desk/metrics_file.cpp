@@ -48,7 +48,7 @@ void MetricsFile::run() {
 }
 
 void MetricsFile::replace(const std::string& text) {
-  const auto problem = replace_file(path_, text);
+  const auto problem = replace_file(path_, text, {.for_everybody = true});
   if (problem) {
     failures_.fetch_add(1, std::memory_order_relaxed);
     if (++in_a_row_ != 1) return;

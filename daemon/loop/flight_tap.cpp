@@ -70,6 +70,11 @@ bool FlightTap::wanted(FlightReason reason, std::uint64_t detail) const noexcept
   return false;
 }
 
+FaultEpisode& FlightTap::episode_of(FlightReason reason, std::uint64_t detail) noexcept {
+  if (reason == FlightReason::slave_lost && detail < slaves_lost_.size()) return slaves_lost_.at(detail);
+  return episodes_.at(static_cast<std::size_t>(reason));
+}
+
 void FlightTap::record(Kind kind, can::Time at, can::Time due, std::uint32_t value,
                        const can::Frame& frame) noexcept {
   recorder_.record({kind, value, moment_.interval, at, due, frame});
@@ -77,8 +82,22 @@ void FlightTap::record(Kind kind, can::Time at, can::Time due, std::uint32_t val
 
 void FlightTap::fault(FlightReason reason, std::uint64_t detail, const Moment& when) noexcept {
   if (!wanted(reason, detail)) return;
-  recorder_.fault(
+  // What could not be written is as if it had not been recorded.
+  if (recorder_.take_not_saved()) {
+    for (FaultEpisode& one : episodes_) one.missed();
+    for (FaultEpisode& one : slaves_lost_) one.missed();
+  }
+  FaultEpisode& episode = episode_of(reason, detail);
+  if (!episode.begins(when.bus)) return recorder_.count_fault();
+  if (!all_.allows(when.bus)) {
+    episode.missed();
+    return recorder_.count_fault();
+  }
+  const bool shown = recorder_.fault(
       {static_cast<std::uint32_t>(reason), detail, when.interval, when.bus, when.wall_clock - when.bus});
+  if (!shown) return episode.missed();
+  episode.recorded(when.bus);
+  all_.count(when.bus);
 }
 
 can::Wake RecordedBus::woken(can::Time deadline, can::Wake wake) noexcept {

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 
 #include "can/bus.h"
 #include "can/passing_bus.h"
+#include "daemon/loop/fault_episode.h"
 #include "daemon/loop/moment.h"
 #include "daemon_config/flight_triggers.h"
 #include "rt/flight_recorder.h"
@@ -20,6 +23,9 @@ enum class FlightReason : std::uint8_t {
   second_master,
   sending_failed
 };
+inline constexpr std::size_t kFlightReasons = 6;
+/// Most recordings of faults in an hour, whatever the reasons.
+inline constexpr std::size_t kMostRecordings = 6;
 
 /// Name of a reason, as files and events carry it, e.g. "bus_off".
 const char* name(FlightReason reason) noexcept;
@@ -54,18 +60,24 @@ class FlightTap {
   /// Freezes the recorder, too, when the controller went bus-off and that is wanted.
   void controller(const Moment& when, can::ControllerState state) noexcept;
 
-  /// Freezes the recorder when a recording is wanted for that reason. `detail`: a number for the header; of
-  /// `syncs_missed` how many.
+  /// Freezes the recorder when a recording is wanted for that reason, and the fault begins an episode of it.
+  /// `detail`: a number for the header; of `syncs_missed` how many.
   void fault(FlightReason reason, std::uint64_t detail, const Moment& when) noexcept;
 
  private:
   void record(rt::FlightEntry::Kind kind, can::Time at, can::Time due, std::uint32_t value = 0,
               const can::Frame& frame = {}) noexcept;
   bool wanted(FlightReason reason, std::uint64_t detail) const noexcept;
+  FaultEpisode& episode_of(FlightReason reason, std::uint64_t detail) noexcept;
+
+  static constexpr std::size_t kSlaves = 32;
 
   rt::FlightRecorder& recorder_;
   const FlightTriggers triggers_;
   Moment moment_;
+  std::array<FaultEpisode, kFlightReasons> episodes_;  ///< by reason
+  std::array<FaultEpisode, kSlaves> slaves_lost_;      ///< by slave: one that flaps hides no other
+  HourlyBound<kMostRecordings> all_;
 };
 
 /// A bus seen by the flight recorder: passes everything on and keeps it. Realtime safe.

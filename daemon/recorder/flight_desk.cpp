@@ -33,11 +33,12 @@ FlightDesk::FlightDesk(const DaemonConfig& config, const FlightProtocol& protoco
                          problem));
     return;
   }
+  const FlightFileSettings files{
+      folder,  config.recorder.files, config.bus.name, config.bus.interface, config.bus.bits_per_second,
+      protocol};
+  remove_half_recordings(files);
   parts_.emplace(config, bus);
-  writer_.emplace(parts_->recorder,
-                  FlightFileSettings{folder, config.recorder.files, config.bus.name, config.bus.interface,
-                                     config.bus.bits_per_second, protocol},
-                  tell);
+  writer_.emplace(parts_->recorder, files, tell);
 }
 
 bool FlightDesk::request() noexcept {
@@ -47,6 +48,7 @@ bool FlightDesk::request() noexcept {
 }
 
 void FlightDesk::stop() noexcept {
+  if (parts_) parts_->recorder.finish();
   writer_.reset();
 }
 

@@ -32,7 +32,8 @@ class FlightDesk {
   /// Asks for a recording now. False: the recorder is off. Any thread.
   bool request() noexcept;
 
-  /// Saves what is frozen and ends the writing thread. The realtime thread must have ended.
+  /// Saves what is frozen, and a fault for which recording still went on; ends the writing thread. The
+  /// realtime thread must have ended.
   void stop() noexcept;
 
  private:

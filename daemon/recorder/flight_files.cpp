@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <iterator>
+#include <map>
 #include <string_view>
 #include <system_error>
 
@@ -26,6 +27,9 @@ using Kind = rt::FlightEntry::Kind;
 using text::json_string;
 
 constexpr can::Frame kSyncFrame{.id = 0x080};
+constexpr std::string_view kLog = ".log";
+constexpr std::string_view kHeader = ".json";
+constexpr std::string_view kHalf = ".new";  // of `replace_file`
 
 std::string safe(std::string_view name) {
   std::string out(name);
@@ -118,35 +122,62 @@ bool on_bus(const rt::FlightEntry& entry) noexcept {
   return entry.kind == Kind::received || entry.kind == Kind::echo;
 }
 
-/// True for the name of a recording's header of this bus: the buses "a" and "a-b" may share a folder.
-bool is_header(std::string_view file, const std::string& prefix) {
+/// What is between the time and the ending in the name of a file of this bus's recordings, e.g. "bus_off" of
+/// `.log`; empty: it is none. The buses "a" and "a-b" may share a folder.
+std::string_view reason_in(std::string_view file, std::string_view prefix, std::string_view ending) {
   constexpr std::string_view kTime = "ddddddddTdddddd.dddZ-";
-  if (!file.starts_with(prefix) || !file.ends_with(".json")) return false;
+  if (!file.starts_with(prefix) || !file.ends_with(ending)) return {};
   file.remove_prefix(prefix.size());
-  return file.size() > kTime.size() &&
-         std::equal(kTime.begin(), kTime.end(), file.begin(), [](char wanted, char found) {
-           return wanted == 'd' ? std::isdigit(static_cast<unsigned char>(found)) != 0 : wanted == found;
-         });
+  if (file.size() <= kTime.size() + ending.size()) return {};
+  file.remove_suffix(ending.size());
+  const bool timed = std::equal(kTime.begin(), kTime.end(), file.begin(), [](char wanted, char found) {
+    return wanted == 'd' ? std::isdigit(static_cast<unsigned char>(found)) != 0 : wanted == found;
+  });
+  file.remove_prefix(kTime.size());
+  return timed ? file : std::string_view{};
 }
 
-/// Removes the oldest recordings of this bus; `newest` has just been written. What cannot be removed stays.
-void prune(const FlightFileSettings& settings, const fs::path& newest) {
+/// The files of this bus's recordings with that ending.
+std::vector<fs::path> files_of(const FlightFileSettings& settings, std::string_view ending) {
   std::error_code error;
-  std::vector<fs::path> headers;
+  std::vector<fs::path> found;
   for (fs::directory_iterator entry(settings.folder, error), end; !error && entry != end;
        entry.increment(error)) {
-    if (is_header(entry->path().filename().string(), prefix(settings))) headers.push_back(entry->path());
+    if (!reason_in(entry->path().filename().string(), prefix(settings), ending).empty())
+      found.push_back(entry->path());
   }
+  return found;
+}
+
+/// Removes recordings of this bus until as many are left as are kept; `newest` has just been written. What
+/// cannot be removed stays.
+void prune(const FlightFileSettings& settings, const fs::path& newest) {
+  std::vector<fs::path> headers = files_of(settings, kHeader);
   // The names begin with the time. One later than the newest was made before the wall clock was set back.
   std::sort(headers.begin(), headers.end(), [&](const fs::path& a, const fs::path& b) {
     const bool a_before = a.filename() > newest.filename();
     const bool b_before = b.filename() > newest.filename();
     return a_before != b_before ? a_before : a < b;
   });
-  const std::size_t keep = std::max(settings.files, 1U);
-  for (std::size_t i = 0; i + keep < headers.size(); ++i) {
-    fs::remove(fs::path(headers[i]).replace_extension(".log"), error);
-    fs::remove(headers[i], error);
+  const auto reason = [&](const fs::path& header) {
+    return std::string(reason_in(header.filename().string(), prefix(settings), kHeader));
+  };
+  std::map<std::string, std::size_t> of_reason;
+  for (const fs::path& header : headers) ++of_reason[reason(header)];
+  std::error_code error;
+  while (headers.size() > std::max(settings.files, 1U)) {
+    // What happens often, or is asked for often, takes no place from what is rare.
+    std::size_t most = 0;
+    for (const fs::path& header : headers)
+      if (header != newest) most = std::max(most, of_reason[reason(header)]);
+    const auto oldest = std::find_if(headers.begin(), headers.end(), [&](const fs::path& header) {
+      return header != newest && of_reason[reason(header)] == most;
+    });
+    if (oldest == headers.end()) return;
+    --of_reason[reason(*oldest)];
+    fs::remove(fs::path(*oldest).replace_extension(kLog), error);
+    fs::remove(*oldest, error);
+    headers.erase(oldest);
   }
 }
 
@@ -191,13 +222,24 @@ std::string flight_header(const FlightRecording& recording, const FlightFileSett
   return out + "\n}\n";
 }
 
+void remove_half_recordings(const FlightFileSettings& settings) {
+  std::error_code error;
+  for (const std::string_view ending : {kLog, kHeader}) {
+    for (const fs::path& half : files_of(settings, std::string(ending) + std::string(kHalf)))
+      fs::remove(half, error);
+  }
+  for (const fs::path& log : files_of(settings, kLog)) {
+    if (!fs::exists(fs::path(log).replace_extension(kHeader), error)) fs::remove(log, error);
+  }
+}
+
 FlightFileResult write_flight(const FlightRecording& recording, const FlightFileSettings& settings) {
   const fs::path path = fs::path(settings.folder) / stem(recording, settings);
-  const std::string log = path.string() + ".log";
-  const std::string header = path.string() + ".json";
+  const std::string log = path.string() + std::string(kLog);
+  const std::string header = path.string() + std::string(kHeader);
   FlightFileResult result;
   const auto written = [&](const std::string& file, const std::string& text) {
-    const auto problem = replace_file(file, text);
+    const auto problem = replace_file(file, text, {.durable = true});
     if (!problem) return true;
     result.problem = fmt::format("{}: {}", file, *problem);
     (void)std::remove(log.c_str());

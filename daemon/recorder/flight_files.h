@@ -14,7 +14,7 @@ namespace cansyncd {
 /// Where recordings go and what belongs into each.
 struct FlightFileSettings {
   std::string folder;
-  unsigned files = 10;  ///< recordings of this bus that are kept, newest first; at least 1
+  unsigned files = 10;  ///< recordings of this bus that are kept; at least 1
   std::string bus;
   std::string interface;
   std::uint32_t bits_per_second = 0;
@@ -44,8 +44,13 @@ std::string flight_candump(const FlightRecording& recording, const FlightFileSet
 std::string flight_header(const FlightRecording& recording, const FlightFileSettings& settings,
                           const std::string& log);
 
-/// Writes both files, whole or not at all, and removes the oldest recordings of this bus beyond
-/// `settings.files`. Touches no other file.
+/// Removes what a daemon has left of this bus that ended while it wrote: logs without a header, and files that
+/// were not whole. For a start, before anything is written.
+void remove_half_recordings(const FlightFileSettings& settings);
+
+/// Writes both files, whole or not at all; once it returns a power cut does not take them away. Then removes
+/// recordings of this bus beyond `settings.files`: of the reason that has most of them the oldest. Touches no
+/// other file.
 FlightFileResult write_flight(const FlightRecording& recording, const FlightFileSettings& settings);
 
 }  // namespace cansyncd

@@ -62,6 +62,7 @@ void FlightWriter::save() {
   FlightRecording recording{recorder_.trigger(), recorder_.entries(), recorder_.take_further()};
   const char* reason = name(static_cast<FlightReason>(recording.trigger.reason));
   const FlightFileResult result = write_flight(recording, settings_);
+  if (!result.problem.empty()) recorder_.not_saved();
   recorder_.rearm();
   if (!result.problem.empty()) {
     tell_({gateway_SEVERITY_ERROR, "flight_recording_failed", -1,

@@ -104,8 +104,9 @@ constexpr auto kDaemonRows = std::to_array<DaemonRow>({
      [](DaemonConfig& c, const Value& v) { c.recorder.folder = words(v); }},
     field(
         [](auto& c) -> auto& { return c.recorder.files; },
-        whole_number("recorder.files", 1, 10'000, "recordings",
-                     "Recordings of this bus that are kept; the oldest are removed.")),
+        whole_number(
+            "recorder.files", 1, 10'000, "recordings",
+            "Recordings of this bus that are kept; beyond, the oldest of the most frequent reason goes.")),
     field(
         [](auto& c) -> auto& { return c.recorder.entries; },
         whole_number("recorder.entries", 256, 1'048'576, "entries",

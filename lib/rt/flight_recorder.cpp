@@ -20,14 +20,20 @@ void FlightRecorder::record(const FlightEntry& entry) noexcept {
   if (recording()) ring_[count_++ % ring_.size()] = entry;
 }
 
-void FlightRecorder::fault(const FlightTrigger& trigger) noexcept {
-  if (!recording() || pending_) {
-    further_.fetch_add(1, std::memory_order_relaxed);
-    return;
+bool FlightRecorder::fault(const FlightTrigger& trigger) noexcept {
+  const bool shown = recording();
+  if (!shown || pending_) {
+    count_fault();
+    return shown;
   }
   pending_ = true;
   left_ = intervals_after_;
   trigger_ = trigger;
+  return true;
+}
+
+void FlightRecorder::finish() noexcept {
+  if (recording() && pending_) freeze();
 }
 
 void FlightRecorder::begin_interval(const FlightTrigger& now) noexcept {

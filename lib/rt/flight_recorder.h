@@ -57,11 +57,23 @@ class FlightRecorder {
   /// Keeps `entry`; the oldest gives way.
   void record(const FlightEntry& entry) noexcept;
 
-  /// A fault. The first one leads to a recording, those until it has been saved are counted.
-  void fault(const FlightTrigger& trigger) noexcept;
+  /// A fault. The first one leads to a recording, those until it has been saved are counted. False: no
+  /// recording shows it, for the one before is being saved.
+  bool fault(const FlightTrigger& trigger) noexcept;
+  /// True once after a recording could not be saved.
+  bool take_not_saved() noexcept {
+    return not_saved_.load(std::memory_order_relaxed) &&
+           not_saved_.exchange(false, std::memory_order_relaxed);
+  }
+  /// A fault that is to have no recording of its own.
+  void count_fault() noexcept { further_.fetch_add(1, std::memory_order_relaxed); }
 
   /// An interval begins. `now` stands for the trigger of a recording that was asked for by `request`.
   void begin_interval(const FlightTrigger& now) noexcept;
+
+  /// Nothing more is recorded: a fault for which recording still goes on freezes the ring now. The realtime
+  /// thread has ended.
+  void finish() noexcept;
 
   // --- any thread
 
@@ -80,6 +92,8 @@ class FlightRecorder {
   const FlightTrigger& trigger() const noexcept { return trigger_; }
   /// Faults and requests that led to no recording since this was last asked.
   std::uint64_t take_further() noexcept { return further_.exchange(0, std::memory_order_relaxed); }
+  /// What was frozen could not be saved.
+  void not_saved() noexcept { not_saved_.store(true, std::memory_order_relaxed); }
   /// Recording begins again, empty.
   void rearm() noexcept { frozen_.store(false, std::memory_order_release); }
 
@@ -96,6 +110,7 @@ class FlightRecorder {
   FlightTrigger trigger_;
   std::atomic<bool> frozen_{false};
   std::atomic<bool> requested_{false};
+  std::atomic<bool> not_saved_{false};
   std::atomic<std::uint64_t> further_{0};
   WakeSignal signal_;
 };

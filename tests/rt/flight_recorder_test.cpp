@@ -56,11 +56,11 @@ TEST(FlightRecorder, GoesOnForTheIntervalsAfterAFault) {
 TEST(FlightRecorder, CountsFurtherFaultsUntilItIsArmedAgain) {
   FlightRecorder recorder(10, 1);
   recorder.record(numbered(1));
-  recorder.fault(because(1));
-  recorder.fault(because(2));  // while it goes on
+  EXPECT_TRUE(recorder.fault(because(1)));
+  EXPECT_TRUE(recorder.fault(because(2))) << "while it goes on it is shown, too";
   recorder.begin_interval(because(0));
   recorder.begin_interval(because(0));
-  recorder.fault(because(3));  // while it is frozen
+  EXPECT_FALSE(recorder.fault(because(3))) << "while it is frozen";
   recorder.request();
   recorder.begin_interval(because(0));
   ASSERT_TRUE(recorder.wait_frozen(milliseconds(0)));
@@ -88,6 +88,20 @@ TEST(FlightRecorder, ARequestFreezesAtTheNextInterval) {
   ASSERT_TRUE(recorder.wait_frozen(milliseconds(0)));
   EXPECT_EQ(recorder.trigger().reason, 9U);
   EXPECT_EQ(values(recorder), std::vector<std::uint32_t>{1});
+}
+
+TEST(FlightRecorder, TheEndOfTheThreadFreezesWhatStillWaits) {
+  FlightRecorder recorder(10, 50);
+  recorder.record(numbered(1));
+  recorder.finish();
+  EXPECT_FALSE(recorder.wait_frozen(milliseconds(0))) << "nothing has happened";
+  recorder.fault(because(7));
+  recorder.begin_interval(because(0));
+  recorder.record(numbered(2));
+  recorder.finish();
+  ASSERT_TRUE(recorder.wait_frozen(milliseconds(0)));
+  EXPECT_EQ(recorder.trigger().reason, 7U);
+  EXPECT_EQ(values(recorder), (std::vector<std::uint32_t>{1, 2}));
 }
 
 TEST(FlightRecorder, AnEmptyRingIsARecordingToo) {

@@ -74,6 +74,15 @@ TEST_F(MetricsFileTest, ReplacesTheFileAndLeavesNothingBeside) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
 }
 
+TEST_F(MetricsFileTest, EveryUserMayReadItWhateverTheUmaskOfTheServiceIs) {
+  const mode_t before = ::umask(0027);
+  EXPECT_EQ(replace_file(path_, "one\n"), std::nullopt);
+  EXPECT_EQ(fs::status(path_).permissions(), fs::perms(0640));
+  EXPECT_EQ(replace_file(path_, "two\n", {.for_everybody = true}), std::nullopt);
+  EXPECT_EQ(fs::status(path_).permissions(), fs::perms(0644));
+  ::umask(before);
+}
+
 TEST_F(MetricsFileTest, DoesNotWriteThroughALink) {
   const fs::path other = folder_ / "other";
   std::ofstream(other) << "mine";

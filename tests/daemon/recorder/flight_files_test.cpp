@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -33,6 +34,9 @@ using std::chrono::milliseconds;
 namespace fs = std::filesystem;
 using Kind = rt::FlightEntry::Kind;
 
+/// Told of each file or folder that is put on the disk.
+std::function<void(const std::string& path)> on_sync;
+
 /// A folder of the test's own.
 class FlightFolder : public testing::Test {
  protected:
@@ -54,6 +58,7 @@ class FlightFolder : public testing::Test {
     std::sort(out.begin(), out.end());
     return out;
   }
+  std::size_t files_count() const { return files().size(); }
   static std::string text_of(const fs::path& path) {
     std::ifstream file(path);
     return {std::istreambuf_iterator<char>(file), {}};
@@ -135,6 +140,70 @@ TEST_F(FlightFolder, KeepsTheNewestRecordingsOfItsBusAndTouchesNothingElse) {
                          mine + "2Z-requested.json", mine + "2Z-requested.log", mine + "3Z-requested.json",
                          mine + "3Z-requested.log", mine + "4Z-requested.json", mine + "4Z-requested.log",
                          "flight-other-20000101T000000.000Z-bus_off.json", "notes.json"}));
+}
+
+TEST_F(FlightFolder, WhatIsFrequentTakesNoPlaceFromWhatIsRare) {
+  FlightRecording recording;
+  recording.trigger.reason = static_cast<std::uint32_t>(FlightReason::bus_off);
+  EXPECT_EQ(write_flight(recording, settings()).problem, "");
+  recording.trigger.reason = static_cast<std::uint32_t>(FlightReason::requested);
+  for (int i = 1; i < 6; ++i) {
+    recording.trigger.at = milliseconds(i);
+    EXPECT_EQ(write_flight(recording, settings()).problem, "");
+  }
+  const std::string mine = "flight-line_1-19700101T000000.00";
+  EXPECT_EQ(files(), (std::vector<std::string>{mine + "0Z-bus_off.json", mine + "0Z-bus_off.log",
+                                               mine + "4Z-requested.json", mine + "4Z-requested.log",
+                                               mine + "5Z-requested.json", mine + "5Z-requested.log"}));
+}
+
+TEST_F(FlightFolder, WhatHasJustBeenWrittenStaysWhateverItsReason) {
+  auto few = settings();
+  FlightRecording recording;
+  for (const unsigned files : {2U, 1U}) {
+    few.files = files;
+    for (const FlightReason reason :
+         {FlightReason::syncs_missed, FlightReason::requested, FlightReason::bus_off}) {
+      recording.trigger.reason = static_cast<std::uint32_t>(reason);
+      recording.trigger.at += milliseconds(1);
+      const FlightFileResult written = write_flight(recording, few);
+      EXPECT_TRUE(fs::exists(written.log)) << written.log;
+      EXPECT_TRUE(fs::exists(fs::path(written.log).replace_extension(".json"))) << written.log;
+    }
+    EXPECT_EQ(files_count(), 2 * files);
+  }
+}
+
+TEST_F(FlightFolder, HalfRecordingsOfAStartBeforeAreRemovedAndNothingElse) {
+  const std::string mine = "flight-line_1-19700101T00000";
+  const std::vector<std::string> whole = {mine + "1.000Z-bus_off.json", mine + "1.000Z-bus_off.log",
+                                          "flight-line_10-19700101T000002.000Z-bus_off.log", "notes.log.new"};
+  for (const std::string& name : whole) std::ofstream(folder / name) << "x";
+  for (const char* half : {"2.000Z-bus_off.log", "3.000Z-bus_off.log.new", "4.000Z-bus_off.json.new"})
+    std::ofstream(folder / (mine + half)) << "x";
+  remove_half_recordings(settings());
+  EXPECT_EQ(files(), whole);
+}
+
+TEST_F(FlightFolder, BothFilesAndTheirFolderAreOnTheDiskBeforeAnOlderOneGoes) {
+  auto keep_one = settings();
+  keep_one.files = 1;
+  FlightRecording recording;
+  ASSERT_EQ(write_flight(recording, keep_one).problem, "");
+  const auto before = files();
+  ASSERT_EQ(before.size(), 2U);
+  std::vector<std::string> synced;
+  on_sync = [&](const std::string& path) {
+    synced.push_back(fs::path(path).filename().string());
+    EXPECT_TRUE(fs::exists(folder / before[0]) && fs::exists(folder / before[1])) << path;
+  };
+  recording.trigger.at = std::chrono::seconds(7);
+  EXPECT_EQ(write_flight(recording, keep_one).problem, "");
+  on_sync = nullptr;
+  const std::string mine = "flight-line_1-19700101T000007.000Z-requested";
+  const std::string in = folder.filename().string();
+  EXPECT_EQ(synced, (std::vector<std::string>{mine + ".log.new", in, mine + ".json.new", in}));
+  EXPECT_EQ(files(), (std::vector<std::string>{mine + ".json", mine + ".log"}));
 }
 
 /// What a test of many recordings tells them apart by: the seconds of their names.
@@ -295,3 +364,10 @@ TEST_F(FlightFolder, WithoutAFolderTheLoopDrivesTheBusItself) {
 }
 
 }  // namespace
+
+/// In the place of the C library's: what it was asked for is seen.
+extern "C" int fsync(int file) {
+  std::error_code ignored;
+  if (on_sync) on_sync(fs::read_symlink("/proc/self/fd/" + std::to_string(file), ignored).string());
+  return static_cast<int>(::syscall(SYS_fsync, file));
+}

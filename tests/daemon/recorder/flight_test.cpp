@@ -138,6 +138,106 @@ TEST(Flight, ATelegramThatIsTooLateStandsInItAsLeftOut) {
   EXPECT_EQ(sent.back().value, static_cast<std::uint32_t>(can::SendResult::queue_full));
 }
 
+/// A tap alone, with the faults of one reason at given times. Each recording is taken at once.
+class Faults {
+ public:
+  /// Seconds of those that were recorded.
+  std::vector<int> recorded_of(const std::vector<int>& seconds, FlightReason reason) {
+    std::vector<int> out;
+    for (const int second : seconds) {
+      Moment when{++interval_, std::chrono::seconds(second), {}};
+      tap_.at(when);
+      tap_.fault(reason, 1, when);
+      tap_.at({++interval_, when.bus, {}});
+      if (!recorder_.wait_frozen(milliseconds(0))) continue;
+      out.push_back(second);
+      further_ += recorder_.take_further();
+      recorder_.rearm();
+    }
+    return out;
+  }
+  std::uint64_t further() { return further_ + recorder_.take_further(); }
+
+ private:
+  rt::FlightRecorder recorder_{256, 0};
+  FlightTap tap_{recorder_, {}};
+  IntervalNumber interval_ = 0;
+  std::uint64_t further_ = 0;
+};
+
+TEST(Flight, OfAFaultThatRepeatsTheBeginningIsRecordedAndTheRestCounted) {
+  Faults faults;
+  std::vector<int> flapping;
+  for (int second = 100; second < 4000; ++second) flapping.push_back(second);
+  EXPECT_EQ(faults.recorded_of(flapping, FlightReason::bus_off), std::vector<int>{100});
+  EXPECT_EQ(faults.further(), flapping.size() - 1);
+  EXPECT_EQ(faults.recorded_of({4010}, FlightReason::slave_lost), std::vector<int>{4010}) << "another reason";
+  EXPECT_EQ(faults.recorded_of({4058}, FlightReason::bus_off), std::vector<int>{})
+      << "59 s after the last one";
+  EXPECT_EQ(faults.recorded_of({4118}, FlightReason::bus_off), std::vector<int>{4118}) << "60 s of quiet";
+}
+
+TEST(Flight, ASlaveThatFlapsHidesNoOtherAndAllTogetherAreBounded) {
+  rt::FlightRecorder recorder(256, 0);
+  FlightTap tap(recorder, {});
+  const auto recorded = [&](int second, std::uint64_t slave) {
+    const Moment when{static_cast<IntervalNumber>(second), std::chrono::seconds(second), {}};
+    tap.fault(FlightReason::slave_lost, slave, when);
+    tap.at(when);
+    const bool frozen = recorder.wait_frozen(milliseconds(0));
+    if (frozen) recorder.rearm();
+    return frozen;
+  };
+  EXPECT_TRUE(recorded(100, 3));
+  for (int second = 140; second < 900; second += 40) EXPECT_FALSE(recorded(second, 3));
+  EXPECT_TRUE(recorded(905, 5)) << "the first loss of another slave";
+  for (std::uint64_t slave = 6; slave < 10; ++slave)
+    EXPECT_TRUE(recorded(910 + static_cast<int>(slave), slave));
+  EXPECT_FALSE(recorded(930, 11)) << "the seventh within an hour";
+  EXPECT_TRUE(recorded(3701, 11));
+}
+
+TEST(Flight, WhatCouldNotBeWrittenIsTriedWithTheNextFault) {
+  rt::FlightRecorder recorder(256, 0);
+  FlightTap tap(recorder, {});
+  for (const int second : {1, 2}) {
+    const Moment when{static_cast<IntervalNumber>(second), std::chrono::seconds(second), {}};
+    tap.fault(FlightReason::bus_off, 0, when);
+    tap.at(when);
+    ASSERT_TRUE(recorder.wait_frozen(milliseconds(0))) << second;
+    recorder.not_saved();
+    recorder.rearm();
+  }
+}
+
+TEST(Flight, AFaultThatComesAgainAndAgainIsRecordedTwiceAnHour) {
+  Faults faults;
+  std::vector<int> each_two_minutes;
+  for (int second = 0; second < 24 * 3600; second += 120) each_two_minutes.push_back(second);
+  const auto recorded = faults.recorded_of(each_two_minutes, FlightReason::sending_failed);
+  EXPECT_EQ(recorded.size(), 48U);
+  EXPECT_EQ((std::vector<int>(recorded.begin(), recorded.begin() + 4)),
+            (std::vector<int>{0, 120, 3600, 3720}));
+}
+
+TEST(Flight, AFaultWhileTheOneBeforeIsSavedBeginsWithTheNext) {
+  rt::FlightRecorder recorder(256, 0);
+  FlightTap tap(recorder, {});
+  const auto fault = [&](int second, FlightReason reason) {
+    const Moment when{static_cast<IntervalNumber>(second), std::chrono::seconds(second), {}};
+    tap.fault(reason, 0, when);
+    tap.at(when);
+  };
+  fault(1, FlightReason::bus_off);
+  ASSERT_TRUE(recorder.wait_frozen(milliseconds(0)));
+  fault(2, FlightReason::slave_lost);
+  recorder.rearm();
+  fault(3, FlightReason::slave_lost);
+  ASSERT_TRUE(recorder.wait_frozen(milliseconds(0)));
+  EXPECT_EQ(recorder.trigger().reason, static_cast<std::uint32_t>(FlightReason::slave_lost));
+  EXPECT_EQ(recorder.trigger().interval, 3U);
+}
+
 TEST(Flight, OnlyTheFaultsThatAreWantedAreRecorded) {
   FlightTriggers none{false, 0, false, false, false};
   Flight flight(1024, 0, none);
