@@ -11,7 +11,10 @@ constexpr int kFirstReadings = 4;
 }  // namespace
 
 PhcOutput::PhcOutput(System& system, const PhcPin& pin, Time interval, const PhcOptions& options)
-    : interval_(interval), device_(system, pin, options) {
+    : interval_(interval),
+      device_(system, pin, options),
+      // A process that was killed leaves its edges running.
+      running_(device_.stop() ? std::optional(false) : std::nullopt) {
   for (int i = 0; i < kFirstReadings; ++i) step();
 }
 
@@ -22,7 +25,7 @@ PhcOutput::~PhcOutput() {
   }
   stop_.notify_all();
   if (thread_.joinable()) thread_.join();
-  if (running_) device_.stop();
+  if (running_ != false) device_.stop();
 }
 
 void PhcOutput::start_thread() {
@@ -50,7 +53,7 @@ void PhcOutput::step() noexcept {
   if (!relation_.valid()) return;
   line_.write(relation_.line());
   const bool wanted = wanted_.load(std::memory_order_relaxed);
-  const bool restart = running_ && steps_known_ != relation_.steps();
+  const bool restart = running_ == true && steps_known_ != relation_.steps();
   if (restart || wanted != running_) switch_output(wanted);
 }
 

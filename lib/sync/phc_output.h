@@ -3,6 +3,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "rt/latest_value.h"
@@ -59,7 +60,7 @@ class PhcOutput final : public Input {
   const Time interval_;
   PhcDevice device_;
   ClockRelation relation_;
-  bool running_ = false;           ///< the hardware makes edges
+  std::optional<bool> running_;    ///< the hardware makes edges; nothing: that could not be switched yet
   std::uint64_t steps_known_ = 0;  ///< clock steps the running output was started after
 
   std::atomic<bool> wanted_{false};

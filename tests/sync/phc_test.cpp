@@ -52,8 +52,8 @@ TEST(PhcDevice, AFallingEdgeStandsAtTheEndOfThePulse) {
   Rig rig;
   rig.output.want(true);
   rig.step();
-  ASSERT_EQ(rig.system.periodic.size(), 1U);
-  const ptp_perout_request& request = rig.system.periodic[0];
+  ASSERT_EQ(rig.system.periodic.size(), 2U);
+  const ptp_perout_request& request = rig.system.periodic[1];
   EXPECT_EQ(request.index, 1U);
   EXPECT_EQ(of(request.period), kInterval);
   EXPECT_EQ(request.flags, static_cast<unsigned>(PTP_PEROUT_DUTY_CYCLE));
@@ -66,9 +66,9 @@ TEST(PhcDevice, ARisingEdgeStandsAtTheStart) {
   Rig rig(Edge::rising);
   rig.output.want(true);
   rig.step();
-  ASSERT_EQ(rig.system.periodic.size(), 1U);
-  EXPECT_EQ(of(rig.system.periodic[0].start) % kInterval, Time{0});
-  EXPECT_EQ(of(rig.system.periodic[0].on), Time(microseconds(250)));
+  ASSERT_EQ(rig.system.periodic.size(), 2U);
+  EXPECT_EQ(of(rig.system.periodic[1].start) % kInterval, Time{0});
+  EXPECT_EQ(of(rig.system.periodic[1].on), Time(microseconds(250)));
 }
 
 TEST(PhcDevice, WithoutAChosenPulseTheEdgeStaysWhereItWas) {
@@ -76,9 +76,9 @@ TEST(PhcDevice, WithoutAChosenPulseTheEdgeStaysWhereItWas) {
   rig.system.duty_cycle = false;
   rig.output.want(true);
   rig.step();
-  ASSERT_EQ(rig.system.periodic.size(), 1U);
-  EXPECT_EQ(rig.system.periodic[0].flags, 0U);
-  EXPECT_EQ((of(rig.system.periodic[0].start) + kInterval / 2) % kInterval, Time{0});
+  ASSERT_EQ(rig.system.periodic.size(), 2U);
+  EXPECT_EQ(rig.system.periodic[1].flags, 0U);
+  EXPECT_EQ((of(rig.system.periodic[1].start) + kInterval / 2) % kInterval, Time{0});
   EXPECT_EQ(rig.output.error(), 0);
 }
 
@@ -160,15 +160,41 @@ TEST(PhcOutput, TheTimelineSeesEveryHardwareEdgeOnce) {
 TEST(PhcOutput, SwitchesOnlyWhenAsked) {
   Rig rig;
   rig.step();
-  EXPECT_TRUE(rig.system.periodic.empty());
+  ASSERT_EQ(rig.system.periodic.size(), 1U);
+  EXPECT_EQ(of(rig.system.periodic[0].period), Time{0})
+      << "edges of a process that was killed end first of all";
   rig.output.want(true);
   rig.step();
   rig.step();
-  ASSERT_EQ(rig.system.periodic.size(), 1U);
+  ASSERT_EQ(rig.system.periodic.size(), 2U);
   rig.output.want(false);
   rig.step();
-  ASSERT_EQ(rig.system.periodic.size(), 2U);
-  EXPECT_EQ(of(rig.system.periodic[1].period), Time{0}) << "off";
+  ASSERT_EQ(rig.system.periodic.size(), 3U);
+  EXPECT_EQ(of(rig.system.periodic[2].period), Time{0}) << "off";
+}
+
+TEST(PhcOutput, EdgesOfAKilledProcessAreEndedAsSoonAsThatWorks) {
+  FakeSystem system;
+  system.control_error[PTP_PEROUT_REQUEST2] = EBUSY;
+  PhcOutput output(system, {}, kInterval);
+  EXPECT_TRUE(system.periodic.empty());
+  system.control_error.clear();
+  system.now += PhcOutput::kPeriod;
+  output.step();
+  ASSERT_EQ(system.periodic.size(), 1U);
+  EXPECT_EQ(of(system.periodic[0].period), Time{0});
+}
+
+TEST(PhcOutput, EdgesThatAreWantedAreStartedAlsoWhereTheOldOnesCouldNotBeEnded) {
+  FakeSystem system;
+  system.control_error[PTP_PEROUT_REQUEST2] = EBUSY;
+  PhcOutput output(system, {}, kInterval);
+  system.control_error.clear();
+  output.want(true);
+  system.now += PhcOutput::kPeriod;
+  output.step();
+  ASSERT_EQ(system.periodic.size(), 1U);
+  EXPECT_EQ(of(system.periodic[0].period), kInterval);
 }
 
 TEST(PhcOutput, EndsTheEdgesWithItself) {
@@ -178,10 +204,10 @@ TEST(PhcOutput, EndsTheEdgesWithItself) {
     output.want(true);
     system.now += PhcOutput::kPeriod;
     output.step();
-    ASSERT_EQ(system.periodic.size(), 1U);
+    ASSERT_EQ(system.periodic.size(), 2U);
   }
-  ASSERT_EQ(system.periodic.size(), 2U);
-  EXPECT_EQ(of(system.periodic[1].period), Time{0});
+  ASSERT_EQ(system.periodic.size(), 3U);
+  EXPECT_EQ(of(system.periodic[2].period), Time{0});
   EXPECT_EQ(system.open_files, 0U);
 }
 
@@ -191,8 +217,8 @@ TEST(PhcOutput, AClockThatWasSetGetsItsEdgesAnew) {
   rig.step();
   rig.system.hardware_offset += seconds(37);
   for (int i = 0; i < 10; ++i) rig.step();
-  ASSERT_EQ(rig.system.periodic.size(), 2U);
-  EXPECT_GT(of(rig.system.periodic[1].start), of(rig.system.periodic[0].start) + seconds(36));
+  ASSERT_EQ(rig.system.periodic.size(), 3U);
+  EXPECT_GT(of(rig.system.periodic[2].start), of(rig.system.periodic[1].start) + seconds(36));
   EXPECT_EQ(rig.output.clock_steps(), 1U);
 }
 

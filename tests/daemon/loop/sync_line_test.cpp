@@ -358,12 +358,13 @@ TEST(SyncOutput, TheHardwareClockIsSwitchedWithSync) {
     rig.line.clock()->step();
     next_reading += sync_line::PhcOutput::kPeriod;
   };
-  rig.rig.at(800, microseconds(0), [&] { EXPECT_EQ(rig.system.periodic.size(), 1U) << "on with set-up"; });
+  rig.rig.at(800, microseconds(0), [&] { EXPECT_EQ(rig.system.periodic.size(), 2U) << "on with set-up"; });
   rig.rig.push_at(1000, ModeRequest{1, Mode::stop, false});
   rig.rig.run_until(1500);
-  ASSERT_EQ(rig.system.periodic.size(), 2U);
-  EXPECT_GT(rig.system.periodic[0].period.nsec, 0U);
-  EXPECT_EQ(rig.system.periodic[1].period.nsec, 0U) << "off with the mode command stop";
+  ASSERT_EQ(rig.system.periodic.size(), 3U);
+  EXPECT_EQ(rig.system.periodic[0].period.nsec, 0U) << "off at the start, whoever has left it on";
+  EXPECT_GT(rig.system.periodic[1].period.nsec, 0U);
+  EXPECT_EQ(rig.system.periodic[2].period.nsec, 0U) << "off with the mode command stop";
   EXPECT_EQ(rig.rig.snapshot().sync.state, LockState::locked);
 }
 
