@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "dds/bounded_text.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 namespace {
@@ -27,6 +31,34 @@ std::int64_t wall_clock_now() noexcept {
       .count();
 }
 
+void FloodGuard::Window::refill(SteadyTime now) {
+  if (left == kMost) refilled = now;
+  const auto rises = (now - refilled) / kRefill;
+  refilled += rises * kRefill;
+  left = static_cast<unsigned>(std::min<std::int64_t>(kMost, left + rises));
+}
+
+void FloodGuard::Window::count_told(const EventText& event) {
+  ++told;
+  if (!event.request && left != 0) --left;
+}
+
+bool FloodGuard::Window::is_due(SteadyTime now) {
+  refill(now);
+  return held_back != 0 && left != 0 && now - begin >= kWindow;
+}
+
+EventText FloodGuard::Window::summary(SteadyTime now) {
+  EventText out = *std::exchange(newest, std::nullopt);
+  out.text += fmt::format(" (the last of {} within {} that were not told)", std::exchange(held_back, 0),
+                          text::duration_text(std::chrono::ceil<std::chrono::seconds>(now - held_since)));
+  // It is the first of the next second.
+  begin = now;
+  told = 0;
+  count_told(out);
+  return out;
+}
+
 bool FloodGuard::pass(const EventText& event, SteadyTime now) {
   // Requests of all slaves together, so that a program that writes all the time leaves room for faults.
   Window& window = windows_[{event.code, event.request ? -1 : event.slave}];
@@ -35,23 +67,39 @@ bool FloodGuard::pass(const EventText& event, SteadyTime now) {
     window.begin = now;
     window.told = 0;
   }
-  if (window.told < kBurst) {
-    ++window.told;
+  window.refill(now);
+  if (window.held_back == 0 && window.told < kBurst && window.left != 0) {
+    window.count_told(event);
     return true;
   }
-  ++window.held_back;
+  if (window.held_back++ == 0) window.held_since = now;
+  window.held_last = now;
   window.newest = event;
   return false;
 }
 
+std::optional<EventText> FloodGuard::held_of(int slave, SteadyTime now) {
+  Window* first = nullptr;
+  for (auto& [kind, window] : windows_) {
+    // Requests say nothing of how a slave is.
+    if (kind.second != slave || window.held_back == 0 || window.newest->request) continue;
+    if (first == nullptr || window.held_last < first->held_last) first = &window;
+  }
+  return first != nullptr ? std::optional(first->summary(now)) : std::nullopt;
+}
+
 std::optional<EventText> FloodGuard::due(SteadyTime now) {
   for (auto& [kind, window] : windows_) {
-    if (window.held_back == 0 || now - window.begin < kWindow) continue;
-    EventText summary = std::move(*window.newest);
-    summary.text += fmt::format(" (the last of {} within a second that were not told)", window.held_back);
-    // The summary is the first of the next second.
-    window = {now, 1, 0, std::nullopt};
-    return summary;
+    if (!window.is_due(now)) continue;
+    return window.newest->request ? window.summary(now) : held_of(kind.second, now);
+  }
+  return std::nullopt;
+}
+
+std::optional<EventText> FloodGuard::left(SteadyTime now) {
+  for (auto& [kind, window] : windows_) {
+    if (window.held_back == 0) continue;
+    return window.newest->request ? window.summary(now) : held_of(kind.second, now);
   }
   return std::nullopt;
 }
@@ -60,13 +108,20 @@ std::optional<SteadyTime> FloodGuard::next() const {
   std::optional<SteadyTime> earliest;
   for (const auto& [kind, window] : windows_) {
     if (window.held_back == 0) continue;
-    if (!earliest || window.begin + kWindow < *earliest) earliest = window.begin + kWindow;
+    SteadyTime at = window.begin + kWindow;
+    if (window.left == 0) at = std::max(at, window.refilled + kRefill);
+    if (!earliest || at < *earliest) earliest = at;
   }
   return earliest;
 }
 
 bool EventPublisher::publish(const EventText& event, SteadyTime now) {
   if (!guard_.pass(event, now)) return false;
+  while (!event.request) {
+    const auto before = guard_.held_of(event.slave, now);
+    if (!before) break;
+    write(*before);
+  }
   write(event);
   return true;
 }
@@ -74,6 +129,10 @@ bool EventPublisher::publish(const EventText& event, SteadyTime now) {
 std::optional<SteadyTime> EventPublisher::tick(SteadyTime now) {
   while (const auto summary = guard_.due(now)) write(*summary);
   return guard_.next();
+}
+
+void EventPublisher::finish(SteadyTime now) {
+  while (const auto summary = guard_.left(now)) write(*summary);
 }
 
 void EventPublisher::write(const EventText& event) {

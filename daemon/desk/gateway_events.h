@@ -25,18 +25,30 @@ using SteadyTime = std::chrono::steady_clock::time_point;
 /// CLOCK_REALTIME, ns since 1970.
 std::int64_t wall_clock_now() noexcept;
 
-/// Holds back what repeats too fast: of one kind of event at most `kBurst` a second are told, the rest is
-/// counted and summed up in one when the second is over. Not thread safe.
+/// Holds back what repeats too fast or for too long: of one kind of event at most `kBurst` are told in `kWindow`, and
+/// after `kMost` one in `kRefill`; the rest is counted and summed up in the next one that is told. What stays away
+/// has its `kMost` back, one in `kRefill`. Not thread safe.
 class FloodGuard {
  public:
   static constexpr unsigned kBurst = 5;
   static constexpr std::chrono::seconds kWindow{1};
+  /// Not for requests of clients, which write to the journal by themselves.
+  static constexpr unsigned kMost = 60;
+  static constexpr std::chrono::seconds kRefill{60};
 
-  /// True: tell it now. False: it was counted.
+  /// True: tell it now, behind what `held_of` its slave. False: it was counted.
   bool pass(const EventText& event, SteadyTime now);
 
-  /// The next summary that is due, newest text of its kind with the count added; nothing when there is none.
+  /// The next summary of what is held back of a slave (-1: of the bus), due or not, in the order in which it happened:
+  /// the last word that is told of a slave is the newest. Nothing when there is none.
+  std::optional<EventText> held_of(int slave, SteadyTime now);
+
+  /// The next summary that is due, newest text of its kind with the count added; nothing when there is none. One that
+  /// is due brings what is held back of the same slave along.
   std::optional<EventText> due(SteadyTime now);
+
+  /// The next summary of whatever is held back: for the end.
+  std::optional<EventText> left(SteadyTime now);
 
   /// When `due` has something at the earliest; nothing: it has nothing to wait for.
   std::optional<SteadyTime> next() const;
@@ -44,9 +56,18 @@ class FloodGuard {
  private:
   struct Window {
     SteadyTime begin;
-    unsigned told = 0;
+    unsigned told = 0;      ///< since `begin`
+    unsigned left = kMost;  ///< that may be told
+    SteadyTime refilled;    ///< `left` rose last
     std::uint64_t held_back = 0;
-    std::optional<EventText> newest;  ///< when something is held back
+    SteadyTime held_since;            ///< when something is held back
+    SteadyTime held_last;             ///< likewise
+    std::optional<EventText> newest;  ///< likewise
+
+    void refill(SteadyTime now);
+    void count_told(const EventText& event);
+    bool is_due(SteadyTime now);
+    EventText summary(SteadyTime now);
   };
   std::map<std::pair<std::string_view, int>, Window> windows_;  ///< by code and slave
 };
@@ -115,6 +136,9 @@ class EventPublisher final : public EventSink {
 
   /// Publishes the summaries that are due. Returns when to call again; nothing: no need.
   std::optional<SteadyTime> tick(SteadyTime now);
+
+  /// Publishes all that is still held back. For the end.
+  void finish(SteadyTime now);
 
  private:
   void write(const EventText& event);

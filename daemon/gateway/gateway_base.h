@@ -121,7 +121,10 @@ class GatewayBase {
               }
               return pass(samples_may_wait);
             },
-            [this] { end(); }) {}
+            [this] {
+              end();
+              events_.finish(std::chrono::steady_clock::now());
+            }) {}
   ~GatewayBase() = default;
 
   /// One pass over everything that may have come; returns when the next is due at the latest. The readers are

@@ -25,7 +25,9 @@ TEST(GatewayEvents, WhatIsFrequentPushesNoFaultOutOfTheLastEvents) {
   events.publish({gateway_SEVERITY_ERROR, "second_daemon", -1, "the fault", std::nullopt}, now);
   for (unsigned i = 0; i < kFrequent; ++i) {
     now += FloodGuard::kWindow;  // else they would be summed up
-    events.publish({gateway_SEVERITY_INFO, "request_done", -1, "done", std::nullopt}, now);
+    EventText done{gateway_SEVERITY_INFO, "request_done", -1, "done", std::nullopt};
+    done.request.emplace();
+    events.publish(done, now);
   }
   const gateway::dds::Participant there(places.there);
   gateway::dds::DataSignal signal;

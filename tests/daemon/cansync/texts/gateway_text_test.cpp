@@ -245,12 +245,75 @@ TEST(FloodGuard, HoldsBackAndSumsUp) {
   now = *guard.next();
   const auto summary = guard.due(now);
   ASSERT_TRUE(summary);
-  EXPECT_EQ(summary->text, "number 2 (the last of 3 within a second that were not told)");
+  EXPECT_EQ(summary->text, "number 2 (the last of 3 within 1 s that were not told)");
   EXPECT_FALSE(guard.due(now));
   EXPECT_FALSE(guard.next());
   // The summary counts for the next second.
   for (unsigned i = 1; i < FloodGuard::kBurst; ++i) EXPECT_TRUE(guard.pass(event, now));
   EXPECT_FALSE(guard.pass(event, now));
+}
+
+/// How many events of a kind that comes `each` for `time` are told, sums included.
+unsigned told_of(FloodGuard& guard, SteadyTime& now, std::chrono::milliseconds each,
+                 std::chrono::hours time) {
+  const EventText event{gateway_SEVERITY_ERROR, "slave_lost", 3, "", std::nullopt};
+  unsigned told = 0;
+  for (const SteadyTime end = now + time; now < end; now += each) {
+    while (guard.due(now)) ++told;
+    told += guard.pass(event, now) ? 1 : 0;
+  }
+  return told;
+}
+
+TEST(FloodGuard, ADayOfAKindThatRepeatsIsAFewHundredAndAFirstIsAlwaysTold) {
+  FloodGuard guard;
+  SteadyTime now{std::chrono::hours(1)};
+  constexpr unsigned kMinutesOfADay = 24 * 60;
+  EXPECT_NEAR(told_of(guard, now, std::chrono::milliseconds(1000), std::chrono::hours(24)),
+              FloodGuard::kMost + kMinutesOfADay, 2);
+  EXPECT_NEAR(told_of(guard, now, std::chrono::milliseconds(100), std::chrono::hours(24)), kMinutesOfADay, 2);
+  ASSERT_TRUE(guard.next());
+  EXPECT_LE(*guard.next() - now, FloodGuard::kRefill) << "what is held back is summed up";
+  now = *guard.next();
+  EXPECT_TRUE(guard.due(now));
+  now += FloodGuard::kRefill;
+  EXPECT_TRUE(guard.pass({gateway_SEVERITY_ERROR, "slave_lost", 3, "", std::nullopt}, now));
+  now += FloodGuard::kMost * FloodGuard::kRefill;
+  for (unsigned i = 0; i < FloodGuard::kMost; ++i, now += FloodGuard::kWindow)
+    EXPECT_TRUE(guard.pass({gateway_SEVERITY_ERROR, "slave_lost", 3, "", std::nullopt}, now)) << i;
+}
+
+TEST(FloodGuard, TheLastThatIsToldOfASlaveIsTheLastThatHappened) {
+  FloodGuard guard;
+  SteadyTime now{std::chrono::hours(1)};
+  std::string last;
+  const auto happens = [&](bool lost, int slave) {
+    EventText event{gateway_SEVERITY_ERROR, "slave_responds", slave, "", std::nullopt};
+    if (lost) event.code = "slave_lost";
+    if (!guard.pass(event, now)) return;
+    while (const auto before = guard.held_of(slave, now)) last = before->code.word();
+    last = event.code.word();
+  };
+  for (int second = 0; second < 3600; ++second, now += FloodGuard::kWindow) {
+    while (const auto due = guard.due(now)) last = due->code.word();
+    happens(true, 3);
+    if (second % 3 != 0) happens(false, 3);  // so the two have other minutes
+  }
+  happens(true, 3);
+  now += std::chrono::milliseconds(500);
+  happens(false, 3);
+  for (int i = 0; i < 3 && guard.next(); ++i) {
+    now = *guard.next();
+    while (const auto due = guard.due(now)) last = due->code.word();
+  }
+  EXPECT_EQ(last, "slave_responds");
+  happens(true, 3);
+  happens(true, 4);
+  now += std::chrono::milliseconds(1);
+  happens(false, 3);
+  while (const auto left = guard.left(now)) last = left->code.word();
+  EXPECT_EQ(last, "slave_responds") << "at the end all is told";
+  EXPECT_FALSE(guard.next());
 }
 
 TEST(FaultRow, TellsTheFirstAndCountsTheOthers) {
