@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <future>
 #include <list>
 #include <memory>
 #include <optional>
@@ -67,7 +68,7 @@ using Buses = std::list<Bus>;
 /// Makes a segment in the place of one that was stopped; empty, or why it cannot be had.
 std::string make_segment(Bus& bus, const ReloadPlan::Maker& maker) {
   bus.segment.reset();
-  service::alive();  // stopping and starting take their time, and a start may have to be given up
+  service::at_work();  // stopping and starting take their time, and a start may have to be given up
   try {
     bus.segment = maker(bus.journal);
     bus.segment->start();
@@ -86,10 +87,13 @@ void replace(Bus& bus, ReloadPlan& plan) {
   bus.log.say(LogPriority::error, "reload_refused",
               fmt::format("the line cannot be set up with the changes: {}; it is set up as before", failed));
   plan.problems.push_back({{}, {}, "the line cannot be set up with the changes: " + failed});
-  if (const std::string none = make_segment(bus, plan.as_before); !none.empty())
+  if (const std::string none = make_segment(bus, plan.as_before); !none.empty()) {
     bus.log.say(
         LogPriority::error, "reload_refused",
         fmt::format("the line cannot be set up as before: {}; this bus has ended, restart the daemon", none));
+    const std::string& name = bus.config.daemon.bus.name;
+    service::status(name, fmt::format("ended, restart the daemon; bus {}", name));
+  }
 }
 
 /// Keys that keep their running value although the line could be set up anew for them.
@@ -183,7 +187,10 @@ void reloaded(Bus& bus, const ReloadPlan& plan, const std::string& text, const C
   if (plan.problems.empty()) {
     const bool completely = plan.needs_restart.empty() && plan.needs_set_up.empty();
     bus.watch->taken(text, completely ? "" : not_taken(plan), wall_seconds());
-    if (completely) keep(bus, continuity.kept, text);
+    if (completely) {
+      service::at_work();  // what follows waits for the disk
+      keep(bus, continuity.kept, text);
+    }
   }
   look_at_file(bus);
   bus.tell_surroundings();
@@ -231,43 +238,61 @@ std::vector<Segment*> segments_of(const Buses& buses) {
   return all;
 }
 
+void record(const Buses& buses) {
+  for (const Bus& bus : buses) {
+    if (!bus.segment->record())
+      bus.log.say(LogPriority::warning, "recorder_off", "no flight recording: the flight recorder is off");
+  }
+}
+
 /// Until SIGTERM or SIGINT.
 void serve(Buses& buses, const SignalWait& signals, std::span<const std::string> overrides, HostWatch& host,
            const ServiceLog& log, const Continuity& continuity) {
+  using std::chrono::microseconds;
+  using std::chrono::steady_clock;
   Heartbeat heartbeat(service::watchdog());
+  const microseconds period =
+      std::min<microseconds>(heartbeat.period().value_or(HostWatch::kPeriod), HostWatch::kPeriod);
+  steady_clock::time_point next = steady_clock::now() + period;
   while (true) {
-    const std::optional<int> number = signals.wait(std::min<std::chrono::microseconds>(
-        heartbeat.period().value_or(HostWatch::kPeriod), HostWatch::kPeriod));
-    if (!number) {
-      if (heartbeat.look(progress(buses))) service::alive();
-      for (Bus& bus : buses) {
-        look_at_file(bus);
-        if (bus.network.look()) bus.tell_surroundings();
-      }
-      host.step(segments_of(buses));
-      continue;
+    const auto left = std::chrono::ceil<microseconds>(next - steady_clock::now());
+    const std::optional<int> number = signals.wait(std::max(left, microseconds(0)));
+    if (number && (*number == SIGTERM || *number == SIGINT)) {
+      log.say(LogPriority::notice, "daemon_stopping",
+              host.shuts_down()    ? "stopping: the computer shuts down"
+              : *number == SIGTERM ? "stopping: SIGTERM"
+                                   : "stopping: SIGINT");
+      return;
     }
-    if (*number == SIGHUP) {
+    if (number == SIGHUP) {
       reload(buses, overrides, continuity);
-      heartbeat = Heartbeat(service::watchdog());  // what was set up anew counts from 0
       host.look_again(segments_of(buses));
-      continue;
+    } else if (number == SIGUSR1) {
+      record(buses);
     }
-    if (*number == SIGUSR1) {
-      for (const Bus& bus : buses) {
-        if (!bus.segment->record())
-          bus.log.say(LogPriority::warning, "recorder_off",
-                      "no flight recording: the flight recorder is off");
-      }
-      continue;
+    // However often signals come, this has its turn.
+    if (steady_clock::now() < next) continue;
+    if (heartbeat.look(progress(buses))) service::alive();
+    for (Bus& bus : buses) {
+      look_at_file(bus);
+      if (bus.network.look()) bus.tell_surroundings();
     }
-    log.say(LogPriority::notice, "daemon_stopping",
-            host.shuts_down()    ? "stopping: the computer shuts down"
-            : *number == SIGTERM ? "stopping: SIGTERM"
-                                 : "stopping: SIGINT");
-    service::stopping();
-    return;
+    host.step(segments_of(buses));
+    next = steady_clock::now() + period;
   }
+}
+
+/// Every line stands still before the first client is waited for; and a client that hangs holds up its bus alone.
+void stop(Buses& buses) {
+  service::stopping();
+  for (const Bus& bus : buses) bus.segment->end_realtime();
+  std::vector<std::future<void>> ends;
+  for (Bus& bus : buses)
+    ends.push_back(std::async(std::launch::async, [&segment = bus.segment] {
+      segment->stop();
+      segment.reset();
+    }));
+  for (const std::future<void>& end : ends) end.wait();
 }
 
 /// Does something for one of several buses; what cannot be had names the bus's file then.
@@ -337,7 +362,7 @@ int run_daemon(std::span<const LoadedConfig> files, std::span<const std::string>
     service::ready();
     HostWatch host;  // a shutdown waits for it, that is until every line is stopped
     serve(buses, signals, overrides, host, log, continuity);
-    for (const Bus& bus : buses) bus.segment->stop();
+    stop(buses);
   } catch (const std::exception& error) {
     log.cannot_run(error.what());
     return exit_code::cannot_start;

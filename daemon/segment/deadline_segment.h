@@ -78,6 +78,7 @@ class DeadlineSegment final : public Segment {
                          file_.config.bus.interface, file_.config.bus.bits_per_second,
                          Parts::words(file_.config), participant_.place()));
   }
+  void end_realtime() noexcept override { threads_.end_realtime(); }
   void stop() noexcept override { threads_.stop(); }
   Heartbeat::Progress progress() const noexcept override { return {loop_.wake_ups(), gateway_.passes()}; }
   bool record() noexcept override { return flight_.request(); }

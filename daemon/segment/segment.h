@@ -39,7 +39,8 @@ std::string not_taken(const ReloadPlan& plan);
 /// One protocol on one bus, with all of its threads: bus, realtime thread, DDS side, flight recorder. What a
 /// segment needs is taken when it is made, and nothing runs before `start`.
 ///
-/// Every function is for the main thread alone; none is called again once `stop` was.
+/// Every function is for the main thread alone, `stop` and the destructor for one thread at a time; nothing else
+/// is called once `stop` was.
 class Segment {
  public:
   virtual ~Segment() = default;
@@ -48,6 +49,10 @@ class Segment {
   /// Called once. Throws a std::exception that names what cannot be had and the remedy; nothing but the
   /// destructor is called then, which ends what has begun.
   virtual void start() = 0;
+
+  /// Ends the realtime thread: nothing is sent any more. Clients have their answers from `stop`, which must
+  /// follow. May be called before `start` and more than once.
+  virtual void end_realtime() noexcept = 0;
 
   /// Answers every open request of a client, ends all threads and tells the journal how files of this run
   /// ended. May be called before `start` and more than once.

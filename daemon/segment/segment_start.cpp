@@ -88,7 +88,7 @@ void tell_grants(const ServiceLog& log, const rt::RealtimeSettings& wanted, cons
 }
 
 void wait_until_running(const std::function<std::uint64_t()>& wake_ups) {
-  constexpr std::chrono::seconds kPatience{10};
+  constexpr std::chrono::seconds kPatience{5};
   const auto end = std::chrono::steady_clock::now() + kPatience;
   while (wake_ups() == 0) {
     if (std::chrono::steady_clock::now() > end)

@@ -48,7 +48,7 @@ std::unique_ptr<SyncLine> make_sync_line(const DaemonConfig& config, can::Time i
 void tell_grants(const ServiceLog& log, const rt::RealtimeSettings& wanted, const rt::Grants& granted);
 
 /// Waits until `wake_ups` is over 0: a service is ready when its bus is served, not when a thread was asked
-/// for. Throws std::runtime_error when that takes more than 10 s.
+/// for. Throws std::runtime_error when that takes more than 5 s, half of what the watchdog waits.
 void wait_until_running(const std::function<std::uint64_t()>& wake_ups);
 
 /// Tells the journal how the trace of a simulated line ended; `path`: its file. Nothing: there was none.

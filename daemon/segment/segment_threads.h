@@ -75,11 +75,18 @@ class SegmentThreads {
     wait_until_running([this] { return loop_.wake_ups(); });
   }
 
-  /// Open requests are answered first by the realtime thread, then by the gateways. Does nothing before
-  /// `start` and the second time.
-  void stop() noexcept {
+  /// Ends the realtime thread, which answers the open requests first: from then on nothing is sent. Does nothing
+  /// before `start` and the second time.
+  void end_realtime() noexcept {
     if (!realtime_) return;
     loop_.request_stop();
+    realtime_->join();
+  }
+
+  /// And ends the rest: the gateways give their answers. Does nothing before `start` and the second time.
+  void stop() noexcept {
+    if (!realtime_) return;
+    end_realtime();
     realtime_.reset();
     std::apply([](Sides&... sides) { (sides.stop(), ...); }, sides_);
   }

@@ -36,6 +36,10 @@ void alive() {
   notify("WATCHDOG=1");
 }
 
+void at_work() {
+  notify("WATCHDOG=1\nEXTEND_TIMEOUT_USEC=10000000");
+}
+
 std::optional<std::chrono::microseconds> watchdog() {
   std::uint64_t timeout = 0;
   if (::sd_watchdog_enabled(0, &timeout) <= 0) return std::nullopt;

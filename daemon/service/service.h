@@ -12,6 +12,7 @@ void ready();  ///< started, or reloaded
 /// What `systemctl status` shows of a bus; with several buses all of them in one line.
 void status(const std::string& bus, const std::string& text);
 void alive();      ///< feeds the watchdog
+void at_work();    ///< feeds the watchdog, and moves the end of a start or reload that takes long away
 void reloading();  ///< the configuration is being read again; `ready` ends it
 void stopping();   ///< about to end
 

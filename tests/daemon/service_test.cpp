@@ -7,6 +7,9 @@
 #include <sys/un.h>
 
 #include <cerrno>
+#include <chrono>
+#include <stop_token>
+#include <thread>
 
 #include "cansyncd_fixture.h"
 
@@ -39,11 +42,11 @@ class NotifySocket {
     return text;
   }
 
-  /// The next message but STATUS, which comes when it has changed.
+  /// The next message but STATUS, which comes when it has changed, and WATCHDOG, which comes with work that takes long.
   std::string next_state() const {
     while (true) {
       std::string text = next();
-      if (!text.starts_with("STATUS=")) return text;
+      if (!text.starts_with("STATUS=") && !text.starts_with("WATCHDOG=")) return text;
     }
   }
 
@@ -98,6 +101,17 @@ TEST_F(ServiceTest, FeedsTheWatchdogThatIsAskedFor) {
   EXPECT_TRUE(manager.comes("WATCHDOG=1"));
   program.signal(SIGTERM);
   EXPECT_TRUE(manager.comes("STOPPING=1"));
+}
+
+TEST_F(ServiceTest, FeedsTheWatchdogHoweverOftenARecordingIsAskedFor) {
+  const NotifySocket manager(folder_ / "notify");
+  Program program = run({write("line.toml", kTwoSlaves)}, {notify_socket(), "WATCHDOG_USEC=2000000"});
+  ASSERT_TRUE(manager.comes("READY=1"));
+  const std::jthread asks([&](const std::stop_token& stop) {
+    for (; !stop.stop_requested(); std::this_thread::sleep_for(std::chrono::milliseconds(50)))
+      program.signal(SIGUSR1);
+  });
+  for (int i = 0; i < 4; ++i) EXPECT_TRUE(manager.comes("WATCHDOG=1"));
 }
 
 TEST_F(ServiceTest, FeedsNoWatchdogThatNobodyAskedFor) {

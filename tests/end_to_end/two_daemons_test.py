@@ -8,6 +8,7 @@ import select
 import signal
 import socket
 import subprocess
+import time
 import unittest
 
 from gateway import CANSYNC, CANSYNCD, LONG, Gateway, end, wait_for
@@ -188,6 +189,30 @@ class OneDaemonOfTwoBuses(unittest.TestCase):
         self.on(self.other, "mode", "setup")
         self.assertRegex(self.on(self.other, "status"), r"state +setup")
         self.assertRegex(self.on(self.gateway.bus, "status"), r"state +run")
+
+    def test_clients_that_hang_on_four_buses_do_not_hold_up_the_stop(self):
+        self.assertEqual(end(self.gateway.process), 0)
+        with open(self.path, encoding="utf-8") as file:
+            text = file.read()
+        paths = [self.gateway.config, self.path]
+        for number in (3, 4):
+            paths.append(os.path.join(self.gateway.folder.name, f"bus{number}.toml"))
+            with open(paths[-1], "w", encoding="utf-8") as file:
+                file.write(text.replace(self.other, f"{self.other}{number}"))
+        self.began = len(self.gateway.log_text())
+        with open(self.gateway.log, "ab") as log:
+            self.gateway.process = subprocess.Popen([CANSYNCD, *self.gateway.options, *paths], stdout=log, stderr=log)
+        for bus in (*self.buses(), f"{self.other}3", f"{self.other}4"):
+            self.told(f"{bus}: event .*on 'run'")
+            client = self.enterContext(self.gateway.start("--bus", bus, "batch", "-", "--json", stdin=subprocess.PIPE))
+            client.stdin.write(f"read 1 {WORD}\n".encode() * 100)
+            client.stdin.flush()
+            client.next_object()
+            client.send_signal(signal.SIGSTOP)  # the next read is under way
+            self.addCleanup(client.kill)
+        began = time.monotonic()
+        self.assertEqual(end(self.gateway.process), 0)
+        self.assertLess(time.monotonic() - began, 10, "TimeoutStopSec= of the unit")
 
     def test_a_second_daemon_of_one_of_them_does_not_start(self):
         second = subprocess.run([CANSYNCD, *self.gateway.options, self.path], capture_output=True, text=True, timeout=LONG)

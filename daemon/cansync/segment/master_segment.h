@@ -41,6 +41,7 @@ class MasterSegment final : public Segment {
   MasterSegment& operator=(const MasterSegment&) = delete;
 
   void start() override;
+  void end_realtime() noexcept override { threads_.end_realtime(); }
   void stop() noexcept override;
   bool stop_unless_active() noexcept override;
   Heartbeat::Progress progress() const noexcept override { return {loop_.wake_ups(), gateway_.passes()}; }

@@ -68,6 +68,7 @@ class ClusterSegment final : public Segment {
 
   /// Throws rt::RealtimeError when realtime is enforced and not granted, std::system_error without threads.
   void start() override;
+  void end_realtime() noexcept override { threads_.end_realtime(); }
   void stop() noexcept override;
   Heartbeat::Progress progress() const noexcept override;
   bool record() noexcept override;

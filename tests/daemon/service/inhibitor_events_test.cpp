@@ -14,6 +14,7 @@ using Lines = std::vector<std::string>;
 class WrittenEvents final : public Segment {
  public:
   void start() override {}
+  void end_realtime() noexcept override {}
   void stop() noexcept override {}
   Heartbeat::Progress progress() const noexcept override { return {}; }
   bool record() noexcept override { return false; }
