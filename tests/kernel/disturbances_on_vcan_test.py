@@ -1,10 +1,13 @@
 """What happens to cansyncd when bus, interface or drives do what they should not. Nothing here may need a restart."""
 
+import signal
 import subprocess
+import time
 import unittest
 
-from canline import INTERFACE, LONG, Line, Master, Simulator, Wire, create_interface, delete_interface, interface_exists, ip
-from gateway import wait_for
+from canline import (INTERFACE, LONG, SYNC, Candump, Line, Master, Process, Simulator, Wire, create_interface, delete_interface,
+                     interface_exists, ip)
+from gateway import CANSYNCD, wait_for
 
 
 class DisturbanceTest(Line):
@@ -90,6 +93,40 @@ class InterfaceMissingAtStart(unittest.TestCase):
             daemon.wait_active()
             self.assertEqual(len(daemon.events("interface_missing")), 1, "told once")
             self.assertIn("vcan0 does not exist; waiting for it", simulator.text())
+
+
+class TwoBuses(unittest.TestCase):
+    OTHER = "vcan1"
+    GAPS = (0.1, 0.3, 0.1, 1, 3, 0.3, 0.1)  # seconds
+    INTERVAL = 8_000_000  # ns
+
+    def test_an_adapter_that_comes_and_goes_leaves_the_other_bus_alone(self):
+        for interface in (INTERFACE, self.OTHER):
+            create_interface(interface)
+            self.addCleanup(delete_interface, interface)
+        steady, flapping = Master(), Master(interface=self.OTHER)
+        steady.program = flapping.program = Process(CANSYNCD, steady.config.name, flapping.config.name)
+        with Simulator(), Simulator(interface=self.OTHER), steady:
+            steady.wait_active()
+            flapping.wait_active()
+            with flapping.start("watch") as hangs, flapping.writer("0=1") as writer, Candump() as wire:
+                hangs.stdout.readline()
+                hangs.send_signal(signal.SIGSTOP)
+                for count, gap in enumerate(self.GAPS, 1):
+                    delete_interface(self.OTHER)
+                    time.sleep(gap)
+                    create_interface(self.OTHER)
+                    wait_for("it has its interface", lambda count=count: len(flapping.events("interface_up")) == count)
+                    flapping.wait_active()
+                    released = flapping.wait_status("the writer's values are released", lambda s: s["reference_release"][0]["state"] == "released")
+                    self.assertIn(f"process {writer.process.pid} ", released["reference_release"][0]["writer"])
+                self.assertIsNone(writer.process.poll())
+                hangs.kill()
+                times = wire.times_of(SYNC)
+            self.assertEqual(len(flapping.events("interface_missing")), len(self.GAPS))
+            self.assertEqual(len(times), 1 + round((times[-1] - times[0]) / self.INTERVAL), "no SYNC edge is missing on the other bus")
+            self.assertLess(max(abs(late - early - self.INTERVAL) for early, late in zip(times, times[1:])), 1_000_000)
+            self.assertEqual(steady.events("slave_lost"), [])
 
 
 class Strangers(DisturbanceTest):

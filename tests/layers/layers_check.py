@@ -123,7 +123,7 @@ tools/cli/learn:            lib/system lib/text lib/profile lib/cansync lib/cans
                             tools/cli/base tools/cli/cansync tools/cli/trace
 tools/cli/scan:             lib/text lib/system lib/profile lib/can lib/cansync tools/cli/text tools/cli/base
                             tools/cli/cansync tools/cli/trace tools/cli/learn
-tools/cli/setup:            lib/config lib/cansync/config tools/cli/base tools/cli/cansync tools/cli/learn
+tools/cli/setup:            lib/text lib/config lib/cansync/config tools/cli/base tools/cli/cansync tools/cli/learn
 tools/cli/jobs:             lib/dds tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/cansync_slave:    lib/text lib/config lib/profile lib/cansync lib/dds lib/cansync_slave/config lib/cansync_slave/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/cansync_cluster:  tools/cli/base

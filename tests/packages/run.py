@@ -1,8 +1,9 @@
 """Builds the Debian packages, installs them with apt in a fresh Debian, boots that with systemd as its first process in the
 machine that has a time of its own (tests/kernel/machine.py), and runs the tests of the folder `inside` in it.
 
-    run.py [--keep FOLDER] [--lines N]     FOLDER keeps packages and root file system, to look at them, and is taken up
-                                           again as it is; N lines made at random are set up, 2 when it is not given
+    run.py [--keep FOLDER] [--lines N] [--gaps N]
+    FOLDER keeps packages and root file system, to look at them, and is taken up again as it is; N lines made at random
+    are set up, 2 when it is not given; the adapter is gone N times more than it is anyhow, 4 when it is not given
 
 CANSYNC_SEED in the environment: as for tests/kernel/run_machine.py.
 Needs the packages of tools/packages.txt and a Debian mirror; no rights. Exit code: 0 all well, 1 something is wrong, 77 this
@@ -37,7 +38,7 @@ LIMIT = 3600  # seconds of this computer from power-on to power-off; four minute
 MEMORY = 3072
 # What a gateway PC has, and what the tests look with.
 DEBIAN = ("systemd", "systemd-sysv", "udev", "dbus", "iproute2", "kmod", "procps", "util-linux", "man-db", "python3",
-          "bash-completion", "needrestart", "polkitd")
+          "bash-completion", "needrestart", "polkitd", "prometheus-node-exporter")
 SHARED = ("kernel/unknown_line.py", "kernel/random_line.py", "kernel/canline.py", "end_to_end/gateway.py",
           "end_to_end/json_schemas.py", "end_to_end/wording.py")
 NO_MIRROR = re.compile(r"E: (Failed to fetch|Unable to fetch|Unable to locate package)|Temporary failure resolving|Could not resolve")
@@ -137,7 +138,7 @@ def install(work):
         "sed -e s/^Path=.*/OriginalName=vcan0/ -e /^Name=/d /usr/share/doc/cansyncd/examples/60-can-line1.link "
         ">/etc/systemd/network/20-vcan0.link",
         "systemctl enable systemd-networkd.service",
-        "systemctl disable systemd-networkd-wait-online.service apt-daily.timer apt-daily-upgrade.timer",
+        "systemctl disable systemd-networkd-wait-online.service apt-daily.timer apt-daily-upgrade.timer prometheus-node-exporter.service",
         "systemctl mask systemd-binfmt.service e2scrub_reap.service",  # nothing for them in this kernel
         "systemctl mask serial-getty@ttyS0.service",  # the console shows the tests alone
         "systemctl enable cansync-proof.service",
@@ -155,13 +156,14 @@ def install(work):
     (work / "root.part").rename(work / "root.cpio")
 
 
-def added(kernel, lines):
+def added(kernel, options):
     """What lies over the fresh Debian at each boot: the tests, what they share with those of tests/kernel, and the kernel's modules."""
     archive = memory_root.Archive()
     for path in (*sorted((HERE / "inside").glob("*.py")), *(REPOSITORY / "tests" / name for name in SHARED)):
         archive.add_file(path, f"proof/{path.name}")
-    if lines:
-        archive.add("proof/lines", memory_root.FILE | 0o644, str(lines).encode())
+    for name in ("lines", "gaps"):
+        if getattr(options, name) is not None:
+            archive.add(f"proof/{name}", memory_root.FILE | 0o644, str(getattr(options, name)).encode())
     for number, module in enumerate(kernel.in_order(MODULES)):
         archive.add_file(module, f"modules/{number:03}-{os.path.basename(module)}")
     archive.add("init", memory_root.FILE | 0o755, START.encode())
@@ -173,9 +175,9 @@ class Boot:
 
     name = "boot of the packages"
 
-    def __init__(self, work, lines):
+    def __init__(self, work, options):
         self.kernel = debian_kernel.fetch()
-        self.archives = [(work / "root.cpio").read_bytes(), added(self.kernel, lines)]
+        self.archives = [(work / "root.cpio").read_bytes(), added(self.kernel, options)]
         self.began = time.monotonic()
 
     def show(self, line):
@@ -193,6 +195,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n", 1)[0])
     parser.add_argument("--keep", type=pathlib.Path, help="folder that keeps packages and root file system")
     parser.add_argument("--lines", type=int, help="lines made at random; 2 when it is not given")
+    parser.add_argument("--gaps", type=int, help="times more that the adapter is gone; 4 when it is not given")
     options = parser.parse_args()
     with contextlib.ExitStack() as stack:
         if options.keep:
@@ -212,7 +215,7 @@ def main():
                 for step in steps:
                     step.result()
         with stage("boot it and run the tests inside"):
-            code = machine.in_courses(Boot(work, options.lines))
+            code = machine.in_courses(Boot(work, options))
     if code is None:
         sys.exit(f"run.py: the machine ended without a result, or not within {LIMIT} s")
     sys.exit(code)

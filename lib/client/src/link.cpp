@@ -9,6 +9,7 @@
 #include "dds/security.h"
 #include "dds/writer_identity.h"
 #include "text/counts.h"
+#include "text/unit_name.h"
 
 namespace cansync::client::detail {
 namespace {
@@ -229,10 +230,10 @@ std::string Link::not_found(std::chrono::milliseconds waited) const {
   }
   if (nobody) {
     return fmt::format(
-        "no daemon found: {}; is cansyncd running for bus {} (systemctl status cansyncd@{}), with the same "
+        "no daemon found: {}; is cansyncd running for bus {} (systemctl status {}), with the same "
         "domain and interface in its [dds] section? A daemon with DDS Security is not seen without an "
         "identity (the option security)",
-        place, address_.in_words(), address_.bus);
+        place, address_.in_words(), text::shell_word("cansyncd@" + text::unit_instance(address_.bus)));
   }
   const std::vector<GatewayStatus> known = gateway_.known();
   if (!known.empty() && known.front().data_model != gateway_DATA_MODEL) {

@@ -162,11 +162,20 @@ TEST_F(SetupVerb, WritesTheFilesOfTheSystem) {
   EXPECT_NE(in_root("etc/cansync/can7.toml").find("output = \"can\""), std::string::npos);
   EXPECT_NE(in_root("etc/cansync/profiles/scanned-3.toml"), "");
   EXPECT_EQ(in_root("etc/systemd/network/80-can7.network"), "[Match]\nName=can7\n");
+  EXPECT_NE(remarks_.find("later: systemctl disable systemd-networkd-wait-online.service"), std::string::npos)
+      << remarks_;
   EXPECT_NE(remarks_.find("later: systemctl enable cansyncd@can7"), std::string::npos) << remarks_;
   // Once more: all is there.
   ASSERT_EQ(run_setup({"--name", "3=winder", "--sync", "can", "--start", "active", "--yes"}), ExitCode::done);
   EXPECT_NE(data_.find("keep "), std::string::npos) << data_;
   EXPECT_EQ(data_.find("write "), std::string::npos) << data_;
+  // Where networkd was in use before, what waits for it stays.
+  fs::create_directories(folder_ / "root/etc/systemd/system/multi-user.target.wants");
+  fs::create_symlink("/lib/systemd/system/systemd-networkd.service",
+                     folder_ / "root/etc/systemd/system/multi-user.target.wants/systemd-networkd.service");
+  ASSERT_EQ(run_setup({"--yes"}), ExitCode::usage) << "the answers are others";
+  ASSERT_EQ(run_setup({"--name", "3=winder", "--sync", "can", "--start", "active", "--yes"}), ExitCode::done);
+  EXPECT_EQ(remarks_.find("wait-online"), std::string::npos) << remarks_;
 }
 
 TEST_F(SetupVerb, ADryRunSaysWhatItWouldDoAndDoesNothing) {
@@ -233,14 +242,23 @@ Commands and_then(std::vector<std::string> last) {
   return commands;
 }
 
-TEST(ServiceSteps, AServiceThatDoesNotRunIsStartedWithItsInterface) {
-  EXPECT_EQ(steps_for({.interface_present = true}).commands,
-            and_then({"systemctl", "start", "cansyncd@can7"}));
-  EXPECT_EQ(steps_for({}).commands, kFirstSteps) << "it waits for its interface";
+TEST(ServiceSteps, AServiceThatDoesNotRunIsStarted) {
+  EXPECT_EQ(steps_for({}).commands, and_then({"systemctl", "start", "cansyncd@can7"}));
+}
+
+TEST(ServiceSteps, TheUnitIsNamedAsSystemdWritesTheInterface) {
+  EXPECT_EQ(service_unit("can0"), "cansyncd@can0");
+  EXPECT_EQ(service_unit("can-winder"), "cansyncd@can\\x2dwinder");
+  EXPECT_EQ(service_unit("vcan.1@2_x"), "cansyncd@vcan.1\\x402_x");
+  EXPECT_EQ(service_unit("k\xc3\xa4n"), "cansyncd@k\\xc3\\xa4n");
+  EXPECT_EQ(service_unit(".can"), "cansyncd@\\x2ecan");
+  EXPECT_EQ(in_force_text("can-winder", "/etc/cansync/can-winder.toml", false, true),
+            "'cansyncd@can\\x2dwinder' does not run; `journalctl -u 'cansyncd@can\\x2dwinder'` shows why")
+      << "to be typed into a shell";
 }
 
 TEST(ServiceSteps, AServiceThatRunsTakesTheNewFile) {
-  ServiceFacts facts{.active = true, .interface_present = true, .file_changes = true};
+  ServiceFacts facts{.active = true, .file_changes = true};
   EXPECT_EQ(steps_for(facts).commands, and_then({"systemctl", "reload", "cansyncd@can7"}));
   EXPECT_EQ(steps_for(facts).interrupts, "");
   facts.needs_restart = {"bus.bit_rate", "sync.output"};
@@ -258,14 +276,14 @@ TEST(ServiceSteps, AServiceThatRunsTakesTheNewFile) {
 }
 
 TEST(ServiceSteps, TheLastLineSaysWhatIsInForce) {
-  const auto told = [](const ServiceFacts& facts, const char* is_active) {
-    return in_force_text("can7", "/etc/cansync/can7.toml", facts, service_end(is_active));
+  const auto told = [](const char* answer, bool interface_present) {
+    return in_force_text("can7", "/etc/cansync/can7.toml", is_active(answer), interface_present);
   };
-  EXPECT_EQ(told({.interface_present = true}, "active\n"),
+  EXPECT_EQ(told("active\n", true),
             "cansyncd@can7 runs with /etc/cansync/can7.toml, and starts at every boot");
-  EXPECT_NE(told({}, "inactive\n").find("waits for the interface can7"), std::string::npos);
+  EXPECT_TRUE(told("active\n", false).ends_with("; it waits for the interface can7"));
   for (const char* ended : {"failed\n", "activating\n", "inactive\n", ""})
-    EXPECT_NE(told({.interface_present = true}, ended).find("does not run"), std::string::npos) << ended;
+    EXPECT_NE(told(ended, true).find("does not run"), std::string::npos) << ended;
 }
 
 TEST_F(SetupVerb, RefusesWhatCannotStand) {

@@ -5,15 +5,19 @@ import ctypes
 import json
 import os
 import pathlib
+import random
 import re
 import shutil
 import signal
 import subprocess
+import time
 import unittest
+import urllib.request
 
 from machine import *
 
-REALTIME_THREAD = "cansync-rt"
+REALTIME_THREAD, GATEWAY_THREAD, MAIN_THREAD = "cansync-rt", "cansync-gateway", "cansyncd"
+RESTART = 1  # s, RestartSec=
 PTRACE_SEIZE = 0x4206
 PTRACE_INTERRUPT = 0x4207
 WALL = 0x40000000  # __WALL of waitpid: threads, too
@@ -48,18 +52,46 @@ def sockets_of(pid):
     return found
 
 
+def scrape():
+    """What node_exporter serves; nothing while it does not."""
+    with contextlib.suppress(OSError), urllib.request.urlopen("http://127.0.0.1:9100/metrics", timeout=LONG) as answer:
+        return answer.read().decode()
+    return None
+
+
+@contextlib.contextmanager
+def running(*command):
+    """A command under way, which has said something."""
+    with subprocess.Popen(command, env=ENVIRONMENT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as process:
+        try:
+            process.stdout.readline()
+            yield process
+        finally:
+            process.kill()
+
+
 class Running(unittest.TestCase):
-    def test_01_waits_for_a_missing_interface_without_failing(self):
-        pathlib.Path("/etc/cansync/vcan9.toml").write_text(
-            '[bus]\ninterface = "vcan9"\nbit_rate = 125000\n[[slave]]\nnumber = 0\n', encoding="utf-8")
-        run("systemctl", "enable", "cansyncd@vcan9.service")
-        self.assertEqual(properties("ActiveState", unit="cansyncd@vcan9.service")["ActiveState"], "inactive")
-        run("ip", "link", "add", "dev", "vcan9", "type", "vcan")
-        run("ip", "link", "set", "vcan9", "up")
-        wait_for_state("active", "cansyncd@vcan9.service")
-        run("ip", "link", "delete", "vcan9")
-        wait_for_state("inactive", "cansyncd@vcan9.service")
-        run("systemctl", "disable", "cansyncd@vcan9.service")
+    def test_01_starts_without_its_interface_and_with_it(self):
+        for name in ("vcan9", "vcan-x", "vcan.1"):
+            with self.subTest(name=name):
+                file = pathlib.Path(f"/etc/cansync/{name}.toml")
+                file.write_text(f'[bus]\ninterface = "{name}"\nbit_rate = 125000\n[[slave]]\nnumber = 0\n', encoding="utf-8")
+                unit = run("systemd-escape", "--template=cansyncd@.service", name).strip()
+                run("systemctl", "enable", "--now", unit)  # at the boot, too: it waits for nothing
+                pid = main_pid(unit)
+                self.assertEqual(cansync("--bus", name, "status")[0]["link_state"], "missing")
+                run("ip", "link", "add", "dev", name, "type", "vcan")
+                run("ip", "link", "set", name, "up")
+                wait_for("it has its interface", lambda: cansync("--bus", name, "status")[0]["link_state"] == "up")
+                run("ip", "link", "delete", name)
+                wait_for("it has lost its interface", lambda: cansync("--bus", name, "status")[0]["link_state"] == "missing")
+                self.assertEqual(main_pid(unit), pid)
+                run("systemctl", "stop", unit)
+                run("ip", "link", "add", "dev", name, "type", "vcan")
+                wait_for_state("active", unit)  # the interface has started it
+                run("systemctl", "disable", "--now", unit)
+                run("ip", "link", "delete", name)
+                file.unlink()
         self.assertEqual(run("systemctl", "--failed", "--no-legend", "--plain"), "")
 
     def test_02_setup_puts_a_line_in_place_and_starts_its_service(self):
@@ -71,6 +103,8 @@ class Running(unittest.TestCase):
             self.assertIn(known, text)
             text = text.replace(known, "")
         (line / f"{INTERFACE}.toml").write_text(text, encoding="utf-8")
+        # As on a computer whose network is not networkd's.
+        run("systemctl", "disable", "systemd-networkd.service", "systemd-networkd-wait-online.service")
         before = os.umask(0o077)  # as root's shell may have it
         self.addCleanup(os.umask, before)
         told = run("cansync", "setup", line, "--yes", "--name", "1=axis-1", "--sync", "can", "--start", "active")
@@ -81,6 +115,11 @@ class Running(unittest.TestCase):
         self.assertEqual(run("systemctl", "is-enabled", SERVICE).strip(), "enabled")
         self.assertEqual(properties("ActiveState")["ActiveState"], "active")
         self.assertEqual(cansync("status")[0]["process"], main_pid())
+        # What waits for the network at a boot does not wait for a CAN interface.
+        self.assertEqual(run("systemctl", "is-enabled", "systemd-networkd.service").strip(), "enabled")
+        began = time.monotonic()
+        run("systemctl", "start", "network-online.target")
+        self.assertLess(time.monotonic() - began, 5)
 
     def test_03_is_healthy_with_the_simulator(self):
         run("cansyncd", "--check", CONFIGURATION)
@@ -113,10 +152,6 @@ class Running(unittest.TestCase):
         self.assertRegex(told, rf"take effect at a restart: bus.bit_rate.*the drives report a fault. .*process {writer.pid} on host .* gives the reference values")
 
     def test_05_has_the_realtime_rights_that_it_insists_on(self):
-        normal, enforced = f'mode = "ignore"\n{NORMAL_PRIORITY}', 'mode = "enforce"'
-        change_configuration(normal, enforced)
-        run("systemctl", "restart", SERVICE)
-        wait_until_active()
         pid = main_pid()
         self.assertIn((60, 1), [scheduling(task) for task in tasks(pid)])  # SCHED_FIFO
         locked = re.search(r"VmLck:\s+(\d+) kB", pathlib.Path(f"/proc/{pid}/status").read_text(encoding="ascii"))
@@ -126,9 +161,6 @@ class Running(unittest.TestCase):
         self.assertRegex(limits, r"Max realtime priority\s+60\s+60\s")
         self.assertRegex(limits, r"Max realtime timeout\s+1000000\s+2000000\s+us")
         self.assertEqual(properties("MemoryMax")["MemoryMax"], str(1 << 30))
-        change_configuration(enforced, normal)
-        run("systemctl", "restart", SERVICE)
-        wait_until_active()
 
     def test_06_has_no_capabilities_and_no_new_privileges(self):
         status = pathlib.Path(f"/proc/{main_pid()}/status").read_text(encoding="ascii")
@@ -191,23 +223,37 @@ class Running(unittest.TestCase):
         wait_until_active()
         self.assertEqual(int(properties("NRestarts")["NRestarts"]), restarts + 1)
 
-    def test_12_the_watchdog_restarts_it_when_the_realtime_thread_stands_still(self):
-        pid = main_pid()
-        thread = next(int(task.name) for task in tasks(pid)
-                      if task.joinpath("comm").read_text(encoding="ascii").strip() == REALTIME_THREAD)
+    def test_12_the_watchdog_restarts_it_when_a_thread_stands_still(self):
         libc = ctypes.CDLL(None, use_errno=True)
-        # As a debugger does: this one thread stands still, all others go on.
-        for request in (PTRACE_SEIZE, PTRACE_INTERRUPT):
-            self.assertEqual(libc.ptrace(request, thread, None, None), 0, os.strerror(ctypes.get_errno()))
+        for name in (REALTIME_THREAD, GATEWAY_THREAD, MAIN_THREAD):
+            with self.subTest(thread=name):
+                pid, since = main_pid(), int(time.time())
+                thread = next(int(task.name) for task in tasks(pid) if task.joinpath("comm").read_text(encoding="ascii").strip() == name)
+                # As a debugger does: this one thread stands still, all others go on.
+                for request in (PTRACE_SEIZE, PTRACE_INTERRUPT):
+                    self.assertEqual(libc.ptrace(request, thread, None, None), 0, os.strerror(ctypes.get_errno()))
+                began = time.monotonic()
 
-        def restarted():
-            with contextlib.suppress(ChildProcessError):  # we are its debugger: it is not gone before we know
-                os.waitpid(thread, WALL | os.WNOHANG)
-            return main_pid() not in (0, pid)
+                def restarted():
+                    with contextlib.suppress(ChildProcessError):  # we are its debugger: it is not gone before we know
+                        os.waitpid(thread, WALL | os.WNOHANG)
+                    return main_pid() not in (0, pid)
 
-        wait_for("systemd has restarted it", restarted)
-        self.assertIn("Watchdog timeout", run("journalctl", "--no-pager", "--unit", SERVICE))
-        wait_until_active()
+                wait_for("systemd has restarted it", restarted)
+                self.assertLess(time.monotonic() - began, 10 + 2 + RESTART)  # WatchdogSec=, and to end it
+                self.assertIn("Watchdog timeout", run("journalctl", "--no-pager", "--unit", SERVICE, f"--since=@{since}"))
+                wait_until_active()
+
+    def test_12_requests_for_recordings_leave_the_watchdog_content(self):
+        pid, since, until = main_pid(), int(time.time()), time.monotonic() + 25
+        while time.monotonic() < until:
+            os.kill(pid, signal.SIGUSR1)
+            time.sleep(1)
+        self.assertEqual(main_pid(), pid)
+        recordings = journal("EVENT=flight_recording", f"--since=@{since}")
+        self.assertGreater(len(recordings), 10)
+        kept = list(pathlib.Path(f"/var/lib/cansync/{INTERFACE}").glob("*-requested.json"))
+        self.assertTrue(0 < len(kept) <= 10, kept)
 
     def test_13_a_wrong_configuration_is_shown_with_line_and_column(self):
         change_configuration("bit_rate = 125000", "bit_rate = 125001")
@@ -235,6 +281,12 @@ class Running(unittest.TestCase):
         text = wait_for("the file of the metrics", lambda: run("cat", "/run/cansync/vcan0/cansync.prom", expect=None))
         self.assertTrue(text.endswith("# EOF\n"), text)
         self.assertRegex(text, r'cansync_\w+\{[^}]*bus="vcan0"')
+        pathlib.Path("/var/lib/prometheus/node-exporter/vcan0.prom").symlink_to("/run/cansync/vcan0/cansync.prom")  # docs/metrics.md
+        run("systemctl", "start", "prometheus-node-exporter.service")
+        scraped = wait_for("node_exporter answers", scrape)
+        self.assertIn("\nnode_textfile_scrape_error 0\n", scraped)
+        self.assertRegex(scraped, r'\ncansync_info\{[^}]*bus="vcan0"')
+        run("systemctl", "stop", "prometheus-node-exporter.service")
 
     def test_15_the_python_package_works(self):
         program = (f"import cansync\nwith cansync.connect('{INTERFACE}', timeout={LONG}) as line:\n"
@@ -261,3 +313,28 @@ class Running(unittest.TestCase):
         self.assertIn("nothing to do", run("cansync", "setup", "--appliance", "--yes"))
         run("cansync", "setup", "--appliance", "--undo", "--yes")
         self.assertEqual(run("find", "/etc", "-name", "*cansync-appliance*"), "")
+
+    def test_18_outlives_an_adapter_that_comes_and_goes(self):
+        # How many gaps: the file `gaps` beside this one, if there is one (run.py --gaps).
+        asked = pathlib.Path(__file__).with_name("gaps")
+        draw = random.Random(18)
+        gaps = [0.1, 0.3, 1, 30]
+        gaps += [round(10 ** draw.uniform(-1, 0.7), 2) for _ in range(int(asked.read_text(encoding="ascii")) if asked.exists() else 4)]
+        pid, before, since = main_pid(), cansync("status")[0], int(time.time())
+        restarts = properties("NRestarts")
+        with running("cansync", "set", "0=1", "--rate", "20") as writer, running("cansync", "watch") as hangs:
+            hangs.send_signal(signal.SIGSTOP)
+            for count, gap in enumerate(gaps, 1):
+                run("ip", "link", "delete", INTERFACE)
+                time.sleep(gap)
+                run("ip", "link", "add", "dev", INTERFACE, "type", "vcan")  # networkd sets it up
+                wait_for("it has its interface", lambda count=count: len(journal("EVENT=interface_up", f"--since=@{since}")) == count)
+                wait_until_active()
+                release = wait_for("the writer's values are released", lambda: cansync("status")[0]["reference_release"][0])
+                self.assertIn(f"process {writer.pid} ", release["writer"])
+            self.assertEqual(len(journal("EVENT=interface_missing", f"--since=@{since}")), len(gaps))
+            self.assertIsNone(writer.poll())
+        after = cansync("status")[0]
+        self.assertEqual((main_pid(), after["daemon"]), (pid, before["daemon"]))
+        self.assertEqual(properties("NRestarts"), restarts)
+        self.assertEqual(after["missed_syncs"], before["missed_syncs"])

@@ -12,6 +12,7 @@
 #include "cli/doctor/doctor_link.h"
 #include "cli/text/values.h"
 #include "text/counts.h"
+#include "text/unit_name.h"
 
 namespace cansync::cli {
 namespace {
@@ -22,13 +23,18 @@ using Status = DaemonStatus;
 constexpr std::uint32_t kLongestIdleLatency = 20;  // us
 constexpr std::uint16_t kInRun = 0x0080;           // w_OPTION_STATUS
 
+/// The service, as a word of a shell command.
+std::string unit_of(const DoctorInput& in) {
+  return text::shell_word("cansyncd@" + text::unit_instance(in.unit));
+}
+
 void look_at_daemon(const DoctorInput& in, FindingList& out) {
   if (!in.several_daemons.empty()) {
     out.error("daemon", in.several_daemons,
               "stop all but one, or give each a bus.name (or a dds.domain) of its own, and restart it");
   } else if (!in.status) {
     out.error("daemon", in.no_daemon,
-              fmt::format("systemctl start cansyncd@{0}   (or: cansyncd /etc/cansync/{0}.toml)", in.unit));
+              fmt::format("systemctl start {}   (or: cansyncd /etc/cansync/{}.toml)", unit_of(in), in.unit));
   }
   if (!in.status) {
     out.warning("not looked at",
@@ -46,15 +52,14 @@ void look_at_versions(const DoctorInput& in, const Status& status, FindingList& 
   if (waits.empty())
     out.ok("restart", "nothing that the daemon has loaded was replaced on disk");
   else
-    out.warning("restart", std::string(waits),
-                fmt::format("when the line may stop: systemctl restart cansyncd@{}", in.unit));
+    out.warning("restart", std::string(waits), "when the line may stop: systemctl restart " + unit_of(in));
   if (newer_waits)  // which version runs, the finding above says
     out.ok("version", fmt::format("cansync {}", in.cli_version));
   else if (in.cli_version == status.gateway.version)
     out.ok("version", fmt::format("cansyncd and cansync {}", in.cli_version));
   else
     out.warning("version", fmt::format("cansyncd {}, but cansync {}", status.gateway.version, in.cli_version),
-                "install both from the same package, then: systemctl restart cansyncd@" + in.unit);
+                "install both from the same package, then: systemctl restart " + unit_of(in));
   if (in.data_model == status.gateway.data_model) {
     out.ok("data model", fmt::format("number {} on both sides", in.data_model));
     return;
@@ -64,7 +69,7 @@ void look_at_versions(const DoctorInput& in, const Status& status, FindingList& 
               fmt::format("the daemon has number {}, this program {}: {} members are not {}",
                           status.gateway.data_model, in.data_model, older ? "newer" : "the daemon's newer",
                           older ? "told" : "understood"),
-              older ? "update cansyncd, then: systemctl restart cansyncd@" + in.unit : "update cansync");
+              older ? "update cansyncd, then: systemctl restart " + unit_of(in) : "update cansync");
 }
 
 void look_at_timestamps(const DoctorInput& in, const Status& status, FindingList& out) {
@@ -79,7 +84,7 @@ void look_at_timestamps(const DoctorInput& in, const Status& status, FindingList
 }
 
 void look_at_rights(const DoctorInput& in, const Status& status, FindingList& out) {
-  const std::string unit = "systemctl edit cansyncd@" + in.unit;
+  const std::string unit = "systemctl edit " + unit_of(in);
   const std::int32_t wanted = status.realtime.realtime_priority_wanted;
   if (status.realtime.realtime_priority > 0)
     out.ok("priority", fmt::format("SCHED_FIFO {}", status.realtime.realtime_priority));
@@ -256,8 +261,8 @@ void look_at_configuration(const DoctorInput& in, const Status& status, FindingL
       "configuration",
       reason.empty() ? "the file on disk is not what runs: " + in.reload_refused : std::string(reason),
       fmt::format(
-          "cansyncd --check /etc/cansync/{0}.toml; then systemctl reload cansyncd@{0}, or restart where a restart is named",
-          in.unit));
+          "cansyncd --check /etc/cansync/{}.toml; then systemctl reload {}, or restart where a restart is named",
+          in.unit, unit_of(in)));
 }
 
 void look_at_sync(const DoctorInput& in, const Status& status, FindingList& out) {
@@ -290,7 +295,7 @@ bool is_refused_by_read_only(std::string_view remedy) {
 void say_read_only(const DoctorInput& in, std::vector<Finding>& findings) {
   if (!in.status || !in.status->gateway.read_only) return;
   const std::string first =
-      fmt::format("set access.read_only = false and systemctl reload cansyncd@{}, then: ", in.unit);
+      fmt::format("set access.read_only = false and systemctl reload {}, then: ", unit_of(in));
   for (Finding& finding : findings) {
     if (!is_refused_by_read_only(finding.remedy)) continue;
     finding.remedy = first + finding.remedy;

@@ -18,8 +18,8 @@ std::vector<LearnedFile> virtual_files(const std::string& interface) {
            "# A virtual CAN interface, to try things out without hardware.\n[NetDev]\nName={}\nKind=vcan\n",
            interface)},
       {fmt::format("25-{}.network", interface),
-       fmt::format("# Brings the virtual interface up. It has no bit rate.\n[Match]\nName={}\n\n[Network]\n"
-                   "LinkLocalAddressing=no\n",
+       fmt::format("# Brings the virtual interface up. It has no bit rate.\n[Match]\nName={}\n\n[Link]\n"
+                   "RequiredForOnline=no\n\n[Network]\nLinkLocalAddressing=no\n",
                    interface)}};
 }
 
@@ -56,7 +56,8 @@ std::string network_text(const std::string& interface, const can::LinkFacts& lin
   const bool known = link.timing && link.timing->sample_point != 0;
   const double sample_point = known ? link.timing->sample_point / 10.0 : 60.0;
   return fmt::format(
-      "# Sets the CAN interface up, so that nobody else needs the right to.\n[Match]\nName={}\n\n[CAN]\n"
+      "# Sets the CAN interface up, so that nobody else needs the right to.\n[Match]\nName={}\n\n[Link]\n"
+      "# It has no address, which the boot would wait for.\nRequiredForOnline=no\n\n[CAN]\n"
       "BitRate={}K\n# That of the other nodes: b maXX PLC 60 %, Omega Drive-Line II 87.5 %.{}\n"
       "SamplePoint={:g}%\n# After this time in bus-off the kernel lets the controller take part again.\n"
       "RestartSec=100ms\n"

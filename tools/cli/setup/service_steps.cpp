@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include "text/unit_name.h"
+
 namespace cansync::cli {
 
 std::string service_unit(const std::string& interface) {
-  return "cansyncd@" + interface;
+  return "cansyncd@" + text::unit_instance(interface);
 }
 
 ServiceSteps service_steps(const std::string& interface, const std::string& configuration,
@@ -16,8 +18,7 @@ ServiceSteps service_steps(const std::string& interface, const std::string& conf
   steps.commands.push_back({"runuser", "-u", "cansync", "--", "cansyncd", "--check", configuration});
   steps.commands.push_back({"systemctl", "enable", unit});
   if (!facts.active) {
-    // Without its interface the unit waits: starting it would wait here, too.
-    if (facts.interface_present) steps.commands.push_back({"systemctl", "start", unit});
+    steps.commands.push_back({"systemctl", "start", unit});
     return steps;
   }
   if (!facts.file_changes) return steps;
@@ -31,30 +32,20 @@ ServiceSteps service_steps(const std::string& interface, const std::string& conf
   steps.interrupts = fmt::format(
       "{} runs, and these options take effect at a restart: {}. The restart stops SYNC and the reference values "
       "of its bus; the drives report a fault{}{}",
-      unit, options, facts.leading.empty() ? "" : ". ", facts.leading);
+      text::shell_word(unit), options, facts.leading.empty() ? "" : ". ", facts.leading);
   return steps;
 }
 
-ServiceEnd service_end(const std::string& is_active) {
-  if (is_active.starts_with("active") || is_active.starts_with("reloading")) return ServiceEnd::active;
-  return is_active.starts_with("failed") || is_active.starts_with("activating") ? ServiceEnd::failed
-                                                                                : ServiceEnd::inactive;
+bool is_active(const std::string& answer) {
+  return answer.starts_with("active") || answer.starts_with("reloading");
 }
 
-std::string in_force_text(const std::string& interface, const std::string& configuration,
-                          const ServiceFacts& before, ServiceEnd end) {
-  const std::string unit = service_unit(interface);
-  switch (end) {
-    case ServiceEnd::active:
-      return fmt::format("{} runs with {}, and starts at every boot", unit, configuration);
-    case ServiceEnd::inactive:
-      if (before.interface_present) break;
-      return fmt::format("{} waits for the interface {}, and starts with {} when the interface appears", unit,
-                         interface, configuration);
-    case ServiceEnd::failed:
-      break;
-  }
-  return fmt::format("{} does not run; `journalctl -u {}` shows why", unit, unit);
+std::string in_force_text(const std::string& interface, const std::string& configuration, bool active,
+                          bool interface_present) {
+  const std::string unit = text::shell_word(service_unit(interface));
+  if (!active) return fmt::format("{0} does not run; `journalctl -u {0}` shows why", unit);
+  return fmt::format("{} runs with {}, and starts at every boot{}", unit, configuration,
+                     interface_present ? "" : fmt::format("; it waits for the interface {}", interface));
 }
 
 }  // namespace cansync::cli

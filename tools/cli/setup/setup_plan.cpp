@@ -11,6 +11,7 @@
 
 #include "cli/base/child_process.h"
 #include "cli/base/files.h"
+#include "text/unit_name.h"
 
 namespace cansync::cli {
 namespace {
@@ -80,7 +81,7 @@ PlannedFile planned_file(const fs::path& path, std::string text) {
 
 std::string command_text(const std::vector<std::string>& command) {
   std::string out;
-  for (const std::string& word : command) out += (out.empty() ? "" : " ") + word;
+  for (const std::string& word : command) out += (out.empty() ? "" : " ") + text::shell_word(word);
   return out;
 }
 
