@@ -3,6 +3,7 @@
 import glob
 import json
 import os
+import pwd
 import shutil
 import subprocess
 import sys
@@ -256,8 +257,37 @@ class Files(unittest.TestCase):
         for path in glob.glob(os.path.join(self.ca, "**", "*"), recursive=True):
             self.assertEqual(os.stat(path).st_mode & 0o077, 0, path)
 
+    @unittest.skipUnless(os.geteuid() == 0, "files are given to another user by root alone")
+    def test_an_identity_is_put_in_place_and_a_renewed_one_takes_its_place(self):
+        place = os.path.join(self.folder, "etc", "security")
+        os.mkdir(os.path.dirname(place))
+        install = ("install", os.path.join(self.ca, "viewer"), "--to", place, "--user", "nobody")
+        made(*install)
+        owner = pwd.getpwnam("nobody").pw_uid
+
+        def content(folder):
+            return {name: open(os.path.join(folder, name), "rb").read() for name in sorted(os.listdir(folder))}
+
+        before = content(place)
+        self.assertEqual(sorted(before), ["certificate.pem", "governance.p7s", "identity_ca.pem", "key.pem", "permissions.p7s",
+                                          "permissions_ca.pem"])
+        for path in (place, *glob.glob(os.path.join(place, "*"))):
+            facts = os.stat(path)
+            self.assertEqual((facts.st_uid, facts.st_mode & 0o077), (owner, 0), path)
+        made("renew", self.ca, "viewer")
+        made(*install)
+        self.assertEqual(content(place), content(os.path.join(self.ca, "viewer")))
+        self.assertNotEqual(content(place)["certificate.pem"], before["certificate.pem"])
+        self.assertEqual(content(place + ".before"), before)
+        self.assertEqual(sorted(os.listdir(os.path.dirname(place))), ["security", "security.before"])
+        for arguments, words in (((self.folder,), "key.pem is missing"), ((*install[1:4], "--user", "nobody-such"), "does not exist"),
+                                 ((install[1], "--to", self.folder, "--user", "nobody"), "holds no identity")):
+            refused = security("install", *arguments)
+            self.assertEqual(refused.returncode, 1)
+            self.assertIn(words, refused.stderr)
+
     def test_wrong_command_lines(self):
-        for arguments, words in (((), "allowed: init, add, renew, list"), (("add", self.ca, "a/b", "--role", "viewer"), "NAME"),
+        for arguments, words in (((), "allowed: init, add, renew, install, list"), (("add", self.ca, "a/b", "--role", "viewer"), "NAME"),
                                  (("add", self.ca, "x", "--role", "king"), "--role"),
                                  (("init", self.ca + "2", "--days", "0"), "--days")):
             result = security(*arguments)

@@ -143,8 +143,8 @@ class Programs(unittest.TestCase):
                                capture_output=True, text=True).stdout
         text = source("cansync-security.1")
         self.assertEqual(set(re.findall(r"--[a-z]+", usage)), set(listed(text)))
-        verbs = re.findall(r"(?m)^  \S+ ([a-z]+) DIR", usage)
-        self.assertEqual(re.findall(r"(?m)^\.Nm\n\.Cm (\w+)\n\.Ar DIR$", text), verbs)
+        verbs = re.findall(r"(?m)^  \S+ ([a-z]+) (?:DIR|IDENTITY)", usage)
+        self.assertEqual(re.findall(r"(?m)^\.Nm\n\.Cm (\w+)\n\.Ar (?:DIR|IDENTITY)$", text), verbs)
         roles = re.findall(r"(?m)^(?: +ROLE: | {12})([a-z]+) {2,}", usage)
         self.assertEqual(re.findall(r"(?m)^\.It Cm (\w+)$", text), verbs + roles)
 

@@ -17,8 +17,8 @@
 
 #include "can/adapter/link_remedy.h"
 #include "can/candump.h"
-#include "can/kernel_frame.h"
 #include "can/link_kernel.h"
+#include "can/socketcan/kernel_frame.h"
 #include "cansync/telegram/telegram.h"
 #include "cli/trace/trace_source.h"
 #include "system/descriptor.h"
