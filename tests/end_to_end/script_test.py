@@ -108,7 +108,8 @@ class Lists(Script):
         self.assertEqual([one["slave"] for one in found if one["kind"] == "slave"], [0])
         configuration = self.file("can7.toml", '[bus]\nname = "can7"\ninterface = "can7"\n[[slave]]\nnumber = 1\n')
         planned = self.json("setup", configuration, "--dry-run", "--root", "/nowhere")
-        self.assertEqual([one["what"] for one in planned], ["/nowhere/etc/cansync/can7.toml", "runuser -u cansync -- cansyncd --check /etc/cansync/can7.toml", "systemctl enable cansyncd@can7"])
+        self.assertEqual([one["what"] for one in planned], ["/nowhere/etc/cansync/can7.toml", "runuser -u cansync -- cansyncd --check /etc/cansync/can7.toml", "systemctl enable cansyncd@can7",
+                          "systemctl start cansyncd@can7"])
         heard = self.json("learn", log)
         self.assertEqual([found["slave"] for found in heard if found["kind"] == "slave"], [0])
 

@@ -261,9 +261,10 @@ class Files(unittest.TestCase):
     def test_an_identity_is_put_in_place_and_a_renewed_one_takes_its_place(self):
         place = os.path.join(self.folder, "etc", "security")
         os.mkdir(os.path.dirname(place))
-        install = ("install", os.path.join(self.ca, "viewer"), "--to", place, "--user", "nobody")
+        user = "nobody" if any(one.pw_name == "nobody" for one in pwd.getpwall()) else "root"
+        install = ("install", os.path.join(self.ca, "viewer"), "--to", place, "--user", user)
         made(*install)
-        owner = pwd.getpwnam("nobody").pw_uid
+        owner = pwd.getpwnam(user).pw_uid
 
         def content(folder):
             return {name: open(os.path.join(folder, name), "rb").read() for name in sorted(os.listdir(folder))}
@@ -281,7 +282,7 @@ class Files(unittest.TestCase):
         self.assertEqual(content(place + ".before"), before)
         self.assertEqual(sorted(os.listdir(os.path.dirname(place))), ["security", "security.before"])
         for arguments, words in (((self.folder,), "key.pem is missing"), ((*install[1:4], "--user", "nobody-such"), "does not exist"),
-                                 ((install[1], "--to", self.folder, "--user", "nobody"), "holds no identity")):
+                                 ((install[1], "--to", self.folder, "--user", user), "holds no identity")):
             refused = security("install", *arguments)
             self.assertEqual(refused.returncode, 1)
             self.assertIn(words, refused.stderr)

@@ -371,7 +371,8 @@ class WithoutDaemon(unittest.TestCase):
         self.assertEqual((result.returncode, result.stderr), (6, ""))
         findings = {finding["topic"]: finding for finding in map(json.loads, result.stdout.splitlines())}
         self.assertEqual(findings["daemon"]["level"], "error")
-        self.assertIn(f"cansyncd@{place.bus}", findings["daemon"]["remedy"])
+        escaped = place.bus.replace("-", "\\x2d")
+        self.assertIn(f"'cansyncd@{escaped}'", findings["daemon"]["remedy"])
         self.assertIn("realtime rights", findings["not looked at"]["found"])
         self.assertIn("kernel", findings)
 
