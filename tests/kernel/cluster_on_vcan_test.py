@@ -4,6 +4,7 @@ import copy
 import os
 import signal
 import tempfile
+import time
 import unittest
 
 from canline import (BIT_RATE, INTERFACE, LONG, SYNC, Candump, Master, Simulator, create_interface,
@@ -154,6 +155,20 @@ class ClusterOnVcan(unittest.TestCase):
         finally:
             ip("link", "set", BELOW, "up")
         self.both_levels_active()
+        self.parameter_passes()
+
+    def test_an_adapter_below_that_comes_and_goes_leaves_the_level_above_alone(self):
+        process, lost = self.cluster.program.process.pid, len(self.master.events("slave_lost"))
+        gaps = (0.1, 0.3, 0.1, 1, 3)  # seconds
+        missing = len(self.lower.events("interface_missing"))
+        for count, gap in enumerate(gaps, 1):
+            delete_interface(BELOW)
+            time.sleep(gap)
+            create_interface(BELOW)
+            wait_for("it was seen", lambda count=count: len(self.lower.events("interface_missing")) == missing + count)
+            self.both_levels_active()
+        self.assertEqual(len(self.master.events("slave_lost")), lost, "the gateway answers above all the time")
+        self.assertEqual(self.lower.wait_status("a status", lambda status: True)["process"], process)
         self.parameter_passes()
 
     def test_the_sync_above_goes_and_comes_back(self):
