@@ -1,9 +1,10 @@
 """Builds the Debian packages, installs them with apt in a fresh Debian, boots that with systemd as its first process in the
 machine that has a time of its own (tests/kernel/machine.py), and runs the tests of the folder `inside` in it.
 
-    run.py [--keep FOLDER] [--lines N] [--gaps N]
+    run.py [--keep FOLDER] [--lines N] [--gaps N] [--cuts N]
     FOLDER keeps packages and root file system, to look at them, and is taken up again as it is; N lines made at random
-    are set up, 2 when it is not given; the adapter is gone N times more than it is anyhow, 4 when it is not given
+    are set up, 2 when it is not given; the adapter is gone N times more than it is anyhow, 4 when it is not given; the power
+    is cut N times, 6 when it is not given
 
 CANSYNC_SEED in the environment: as for tests/kernel/run_machine.py.
 Needs the packages of tools/packages.txt and a Debian mirror; no rights. Exit code: 0 all well, 1 something is wrong, 77 this
@@ -43,7 +44,7 @@ SHARED = ("kernel/unknown_line.py", "kernel/random_line.py", "kernel/canline.py"
           "end_to_end/json_schemas.py", "end_to_end/wording.py")
 NO_MIRROR = re.compile(r"E: (Failed to fetch|Unable to fetch|Unable to locate package)|Temporary failure resolving|Could not resolve")
 # First process. What mounts a file system on demand is a module of Debian's kernel, and systemd asks for it before it loads any.
-MODULES = (*debian_kernel.MODULES, "autofs4")
+MODULES = (*debian_kernel.MODULES, "autofs4", "loop", "crc32c_generic", "ext4")
 START = """#!/bin/sh
 for module in /modules/*; do /usr/sbin/insmod "$module"; done
 exec /lib/systemd/systemd systemd.show_status=0
@@ -161,7 +162,7 @@ def added(kernel, options):
     archive = memory_root.Archive()
     for path in (*sorted((HERE / "inside").glob("*.py")), *(REPOSITORY / "tests" / name for name in SHARED)):
         archive.add_file(path, f"proof/{path.name}")
-    for name in ("lines", "gaps"):
+    for name in ("lines", "gaps", "cuts"):
         if getattr(options, name) is not None:
             archive.add(f"proof/{name}", memory_root.FILE | 0o644, str(getattr(options, name)).encode())
     for number, module in enumerate(kernel.in_order(MODULES)):
@@ -196,6 +197,7 @@ def main():
     parser.add_argument("--keep", type=pathlib.Path, help="folder that keeps packages and root file system")
     parser.add_argument("--lines", type=int, help="lines made at random; 2 when it is not given")
     parser.add_argument("--gaps", type=int, help="times more that the adapter is gone; 4 when it is not given")
+    parser.add_argument("--cuts", type=int, help="power cuts; 6 when it is not given")
     options = parser.parse_args()
     with contextlib.ExitStack() as stack:
         if options.keep:

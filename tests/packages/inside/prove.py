@@ -11,7 +11,7 @@ import unittest
 
 from machine import locks_are_taken, wait_for
 
-MODULES = ("a_installed_test", "b_unknown_lines_test", "c_running_test", "d_journal_test", "e_packages_test")
+MODULES = ("a_installed_test", "b_unknown_lines_test", "c_running_test", "d_power_test", "d_journal_test", "e_packages_test")
 
 
 def shut_down():
