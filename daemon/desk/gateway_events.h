@@ -25,8 +25,8 @@ using SteadyTime = std::chrono::steady_clock::time_point;
 /// CLOCK_REALTIME, ns since 1970.
 std::int64_t wall_clock_now() noexcept;
 
-/// Holds back what repeats too fast or for too long: of one kind of event at most `kBurst` are told in `kWindow`, and
-/// after `kMost` one in `kRefill`; the rest is counted and summed up in the next one that is told. What stays away
+/// Holds back what repeats too fast or for too long: of one kind of event at most `kBurst` are reported in `kWindow`, and
+/// after `kMost` one in `kRefill`; the rest is counted and summed up in the next one that is reported. What stays away
 /// has its `kMost` back, one in `kRefill`. Not thread safe.
 class FloodGuard {
  public:
@@ -40,7 +40,7 @@ class FloodGuard {
   bool pass(const EventText& event, SteadyTime now);
 
   /// The next summary of what is held back of a slave (-1: of the bus), due or not, in the order in which it happened:
-  /// the last word that is told of a slave is the newest. Nothing when there is none.
+  /// the last report of a slave is the newest. Nothing when there is none.
   std::optional<EventText> held_of(int slave, SteadyTime now);
 
   /// The next summary that is due, newest text of its kind with the count added; nothing when there is none. One that

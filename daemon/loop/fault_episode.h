@@ -34,15 +34,16 @@ class FaultEpisode {
   static constexpr can::Time kQuiet = std::chrono::minutes(1);  ///< without such a fault
   static constexpr std::size_t kMost = 2;
 
-  /// A fault at `now`, by a clock that never goes back. True: it is to be recorded; `recorded` follows when it is.
+  /// A fault at `now`, by a clock that never goes back. True: it is to be recorded; `recorded` follows when it gets a
+  /// recording of its own.
   bool begins(can::Time now) noexcept {
     const bool quiet = !last_ || now - *last_ >= kQuiet;
     last_ = now;
     return quiet && bound_.allows(now);
   }
-  /// The fault that `begins` wanted is recorded.
+  /// The fault that `begins` wanted has a recording of its own.
   void recorded(can::Time now) noexcept { bound_.count(now); }
-  /// It could not be: the next fault begins again.
+  /// No recording shows it: the next fault begins again.
   void missed() noexcept { last_.reset(); }
 
  private:

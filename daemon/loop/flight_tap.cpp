@@ -93,9 +93,10 @@ void FlightTap::fault(FlightReason reason, std::uint64_t detail, const Moment& w
     episode.missed();
     return recorder_.count_fault();
   }
-  const bool shown = recorder_.fault(
+  const auto shown = recorder_.fault(
       {static_cast<std::uint32_t>(reason), detail, when.interval, when.bus, when.wall_clock - when.bus});
-  if (!shown) return episode.missed();
+  if (shown == rt::FlightRecorder::Shown::none) return episode.missed();
+  if (shown == rt::FlightRecorder::Shown::another) return;
   episode.recorded(when.bus);
   all_.count(when.bus);
 }

@@ -20,16 +20,16 @@ void FlightRecorder::record(const FlightEntry& entry) noexcept {
   if (recording()) ring_[count_++ % ring_.size()] = entry;
 }
 
-bool FlightRecorder::fault(const FlightTrigger& trigger) noexcept {
-  const bool shown = recording();
-  if (!shown || pending_) {
+FlightRecorder::Shown FlightRecorder::fault(const FlightTrigger& trigger) noexcept {
+  const bool records = recording();
+  if (!records || pending_) {
     count_fault();
-    return shown;
+    return records ? Shown::another : Shown::none;
   }
   pending_ = true;
   left_ = intervals_after_;
   trigger_ = trigger;
-  return true;
+  return Shown::own;
 }
 
 void FlightRecorder::finish() noexcept {

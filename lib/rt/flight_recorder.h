@@ -57,9 +57,14 @@ class FlightRecorder {
   /// Keeps `entry`; the oldest gives way.
   void record(const FlightEntry& entry) noexcept;
 
-  /// A fault. The first one leads to a recording, those until it has been saved are counted. False: no
-  /// recording shows it, for the one before is being saved.
-  bool fault(const FlightTrigger& trigger) noexcept;
+  /// Which recording shows a fault.
+  enum class Shown : std::uint8_t {
+    own,      ///< one of its own
+    another,  ///< that of a fault before, which still goes on
+    none      ///< none, for the one before is being saved
+  };
+  /// A fault. The first one leads to a recording, those until it has been saved are counted.
+  Shown fault(const FlightTrigger& trigger) noexcept;
   /// True once after a recording could not be saved.
   bool take_not_saved() noexcept {
     return not_saved_.load(std::memory_order_relaxed) &&

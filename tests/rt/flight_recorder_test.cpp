@@ -56,11 +56,12 @@ TEST(FlightRecorder, GoesOnForTheIntervalsAfterAFault) {
 TEST(FlightRecorder, CountsFurtherFaultsUntilItIsArmedAgain) {
   FlightRecorder recorder(10, 1);
   recorder.record(numbered(1));
-  EXPECT_TRUE(recorder.fault(because(1)));
-  EXPECT_TRUE(recorder.fault(because(2))) << "while it goes on it is shown, too";
+  EXPECT_EQ(recorder.fault(because(1)), FlightRecorder::Shown::own);
+  EXPECT_EQ(recorder.fault(because(2)), FlightRecorder::Shown::another)
+      << "while it goes on it is shown, too";
   recorder.begin_interval(because(0));
   recorder.begin_interval(because(0));
-  EXPECT_FALSE(recorder.fault(because(3))) << "while it is frozen";
+  EXPECT_EQ(recorder.fault(because(3)), FlightRecorder::Shown::none) << "while it is frozen";
   recorder.request();
   recorder.begin_interval(because(0));
   ASSERT_TRUE(recorder.wait_frozen(milliseconds(0)));

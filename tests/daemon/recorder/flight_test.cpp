@@ -197,6 +197,24 @@ TEST(Flight, ASlaveThatFlapsHidesNoOtherAndAllTogetherAreBounded) {
   EXPECT_TRUE(recorded(3701, 11));
 }
 
+TEST(Flight, WhatOneRecordingShowsCountsAsOne) {
+  rt::FlightRecorder recorder(256, 0);
+  FlightTap tap(recorder, {});
+  const auto recorded_at = [&](int second) {
+    tap.at({static_cast<IntervalNumber>(second), std::chrono::seconds(second), {}});
+    const bool frozen = recorder.wait_frozen(milliseconds(0));
+    if (frozen) recorder.rearm();
+    return frozen;
+  };
+  const auto moment = [](int second) {
+    return Moment{static_cast<IntervalNumber>(second - 1), std::chrono::seconds(second), {}};
+  };
+  for (std::uint64_t slave = 0; slave < 32; ++slave) tap.fault(FlightReason::slave_lost, slave, moment(10));
+  EXPECT_TRUE(recorded_at(10)) << "a cable with all slaves";
+  tap.fault(FlightReason::bus_off, 0, moment(600));
+  EXPECT_TRUE(recorded_at(600)) << "it has left room for other faults of the hour";
+}
+
 TEST(Flight, WhatCouldNotBeWrittenIsTriedWithTheNextFault) {
   rt::FlightRecorder recorder(256, 0);
   FlightTap tap(recorder, {});
