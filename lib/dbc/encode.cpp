@@ -61,8 +61,8 @@ std::pair<double, double> numbers_of(const Signal& signal) noexcept {
 /// The bits of a whole number that fits.
 std::uint64_t whole_bits(const Signal& signal, double number) noexcept {
   // What a double cannot tell from the number behind the largest one is the largest one.
-  const double limit = std::ldexp(1.0, static_cast<int>(signal.length));
-  if (number >= limit) return ones(signal.length);
+  const unsigned bits = signal.kind == NumberKind::signed_integer ? signal.length - 1u : signal.length;
+  if (number >= std::ldexp(1.0, static_cast<int>(bits))) return ones(bits);
   return number < 0 ? static_cast<std::uint64_t>(static_cast<std::int64_t>(number)) & ones(signal.length)
                     : static_cast<std::uint64_t>(number) & ones(signal.length);
 }

@@ -52,6 +52,16 @@ TEST(Encode, OutOfRangeIsNothing) {
   EXPECT_EQ(raw_of(widest, -1), std::nullopt);
 }
 
+// From 55 bits on the highest number of a signed signal is no double: its neighbour stands for it.
+TEST(Encode, TheHighestNumberOfALongSignedSignalIsNotTheLowest) {
+  for (unsigned length = 2; length <= 64; ++length) {
+    const Signal whole = signal(0, length, true, NumberKind::signed_integer);
+    const std::uint64_t sign = std::uint64_t{1} << (length - 1);
+    EXPECT_EQ(raw_of(whole, range_of(whole).second), sign - 1) << length;
+    EXPECT_EQ(raw_of(whole, range_of(whole).first), sign) << length;
+  }
+}
+
 TEST(Encode, NamesOfValues) {
   Signal gear = signal(0, 4, true, NumberKind::unsigned_integer);
   gear.words = {{0, "park"}, {15, "not available"}};
