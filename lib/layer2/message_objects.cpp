@@ -40,12 +40,17 @@ void MessageObjects::renew(Object& object) noexcept {
   const bool reserved = object.reserved;
   const std::uint32_t handings = object.handings;
   ObjectState count = object.count;
-  if (had_job) count.ended_as = JobState::aborted;
+  // A frame in the controller may be sent yet, whatever becomes of its object.
+  const bool handed_over = object.phase == Phase::in_controller && !object.request;
+  const JobState as = handed_over ? JobState::timed_out : JobState::aborted;
+  const std::uint32_t on_its_way = handed_over ? object.handings : object.on_its_way;
+  if (had_job) count.ended_as = as;
   object = {};
   object.reserved = reserved;
   object.handings = handings;
+  object.on_its_way = on_its_way;
   object.count = count;
-  if (had_job) object.told = JobState::aborted;
+  if (had_job) object.told = as;
 }
 
 bool MessageObjects::forget(unsigned number) noexcept {
@@ -136,6 +141,13 @@ std::uint32_t MessageObjects::handed_over(unsigned number) noexcept {
 bool MessageObjects::sent(unsigned number, std::uint32_t handing, Time end) noexcept {
   if (number >= kMost) return false;
   Object& object = objects_[number];
+  if (object.on_its_way == handing && handing != 0) {
+    ++changes_;
+    object.on_its_way = 0;
+    object.count.time = end;
+    ++object.count.sent;
+    return false;
+  }
   if (object.phase != Phase::in_controller || object.handings != handing) return false;
   if (object.request) {  // the remote frame of an object that receives
     ++changes_;

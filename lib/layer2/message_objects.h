@@ -102,11 +102,12 @@ class MessageObjects {
  public:
   static constexpr unsigned kMost = 32;
 
-  /// Gives an object (0..kMost-1) its settings, anew: whatever it held is gone, and a job ends as aborted.
+  /// Gives an object (0..kMost-1) its settings, anew: whatever it held is gone, and a job ends as aborted, or as
+  /// timed out when its frame is in the controller: it may be sent yet.
   ObjectProblem configure(unsigned number, const ObjectSettings& settings) noexcept;
   /// What would be wrong with such settings of an object; nothing changes.
   ObjectProblem check(unsigned number, const ObjectSettings& settings) const noexcept;
-  /// Takes an object's settings away; a job ends as aborted. False: there is no such object.
+  /// Takes an object's settings away; a job ends as by `configure`. False: there is no such object.
   bool forget(unsigned number) noexcept;
   /// From now on the object belongs to another service.
   void reserve(unsigned number) noexcept;
@@ -132,7 +133,7 @@ class MessageObjects {
   /// The bus took the frame of an object. The number of this handing over, by which `sent` knows it again.
   std::uint32_t handed_over(unsigned number) noexcept;
   /// The frame of an object stood on the bus until `end`; `handing` is what `handed_over` said. One that was
-  /// handed over before the object was configured anew is nobody's. True: it was the object's.
+  /// handed over before the object was configured anew is counted, and nobody's. True: it was the object's.
   bool sent(unsigned number, std::uint32_t handing, Time end = {}) noexcept;
   /// The echo of an object's frame does not come: it may have been sent. Its job ends as timed out; one that
   /// answers each remote frame goes on. `handing`: as of `sent`.
@@ -178,7 +179,8 @@ class MessageObjects {
     bool configured = false;
     bool reserved = false;
     std::uint32_t handings = 0;
-    ObjectState count;  ///< of it only `ended_as`, `time` and the counters
+    std::uint32_t on_its_way = 0;  ///< handing of a frame handed over before the settings; 0: none
+    ObjectState count;             ///< of it only `ended_as`, `time` and the counters
     // sending
     ObjectJob job;
     Phase phase = Phase::none;

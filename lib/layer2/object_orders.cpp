@@ -31,6 +31,7 @@ std::optional<ObjectAnswer> ObjectOrders::perform(const ObjectOrder& order, bool
     case ObjectOrder::Kind::configure:
       return configure(order);
     case ObjectOrder::Kind::read:
+      if (order.release && order.ask && (stopped_ || !running)) break;
       return read(order);
     case ObjectOrder::Kind::abort: {
       const bool known = order.number < MessageObjects::kMost && objects_.state(order.number).configured;
@@ -140,6 +141,7 @@ std::optional<ObjectAnswer> ObjectOrders::take_answer() noexcept {
         break;
       case JobState::aborted:
       case JobState::none:  // configured anew as one that receives
+        if (open.until != Time::max()) answer.outcome = outcome_of(JobKnown::handed_over, JobEnd::time);
         break;
     }
     open.used = false;

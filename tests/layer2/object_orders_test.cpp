@@ -110,6 +110,40 @@ TEST(ObjectOrders, L36AbortedByAnOrderOrTakenBack) {
   for (const ObjectAnswer& answer : answers) EXPECT_EQ(answer.outcome, Outcome::cancelled);
 }
 
+TEST(ObjectOrders, AJobWhoseFrameIsInTheControllerIsNeverCancelledByOtherSettings) {
+  // 4 sends by other settings from now on, 5 receives; 6 is forgotten with all others.
+  for (const std::uint8_t number : std::array<std::uint8_t, 3>{4, 5, 6}) {
+    Running rig({sender(4, 0x100), sender(5, 0x100), sender(6, 0x100)});
+    rig.take_job(send(1, number, data_frame(0x100, {})));
+    const can::Frame frame = rig.hand_over();
+    const std::array<ObjectEntry, 1> other = {number == 4 ? sender(4, 0x105) : receiver(5, 0x105)};
+    ASSERT_EQ(
+        rig.module
+            .perform({.id = 2, .kind = Kind::configure, .anew = number == 6, .settings = other}, Time{0})
+            ->refusal,
+        Refusal::none);
+    const auto answers = rig.answers();
+    ASSERT_EQ(answers.size(), 1u) << +number;
+    EXPECT_EQ(answers[0].outcome, Outcome::no_answer) << +number;
+    EXPECT_EQ(rig.module.objects().state(number).ended_as, JobState::timed_out);
+    rig.module.echo(frame, milliseconds(2));
+    EXPECT_EQ(rig.module.objects().state(number).sent, 1u) << "it stood on the bus after all";
+    rig.module.echo(frame, milliseconds(3));
+    EXPECT_EQ(rig.module.objects().state(number).sent, 1u);
+  }
+}
+
+TEST(ObjectOrders, InStopNothingIsAskedFor) {
+  Running rig({receiver(5, 0x102)});
+  rig.module.set_running(false, Time{0});
+  ObjectOrder ask = read(1, 5, true);
+  ask.ask = true;
+  EXPECT_EQ(rig.module.perform(ask, Time{0})->refusal, Refusal::not_running);
+  EXPECT_EQ(rig.module.perform(read(2, 5, true), Time{0})->refusal, Refusal::none);
+  rig.module.set_running(true, Time{0});
+  EXPECT_FALSE(rig.module.next_frame());
+}
+
 TEST(ObjectOrders, L37TimedOutBeforeItWasHandedOverAndUnknownAfter) {
   Running rig({sender(3, 0x100, milliseconds(10)), sender(4, 0x101)});
   rig.take_job(send(1, 3, data_frame(0x100, {})));
@@ -233,7 +267,7 @@ TEST(ObjectOrders, L34ConfiguringIsAllOrNothing) {
   EXPECT_FALSE(rig.module.objects().state(4).configured) << "forgotten";
   auto answers = rig.answers();
   ASSERT_EQ(answers.size(), 1u);
-  EXPECT_EQ(answers[0].outcome, Outcome::cancelled);
+  EXPECT_EQ(answers[0].outcome, Outcome::no_answer) << "the controller had its frame";
   // The frame of before, which the controller still had, is not that of the new job.
   rig.take_job(send(4, 3, data_frame(0x303, {})));
   (void)rig.hand_over();
