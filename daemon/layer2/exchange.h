@@ -70,19 +70,24 @@ struct TimerState {
 
 /// The process image as it is.
 struct ImageSnapshot {
+  std::uint32_t table = 0;  ///< `DataMapping::table` that it is of
   bool exchanging = false;
-  bool sending = true;
+  bool sending = false;
   std::uint64_t received = 0;
   std::uint64_t dropped = 0;
   std::uint64_t sent = 0;
+  std::uint64_t left_out = 0;
+  std::uint8_t telegrams = 0;  ///< out
+  std::array<layer2::DataMapping::LeftOut, layer2::DataMapping::kMessages> each_left_out = {};
   std::array<std::uint8_t, layer2::DataMapping::kBytes> inputs = {};
   std::array<std::uint8_t, layer2::DataMapping::kBytes> outputs = {};
 };
 
 /// The image that is sent, as the gateway has it.
 struct OutputImage {
+  std::uint32_t table = 0;  ///< `DataMapping::table` that it is for; under another one it is not taken
   std::array<std::uint8_t, layer2::DataMapping::kBytes> bytes = {};
-  bool sending = true;
+  bool sending = false;  ///< false also until somebody has written
 };
 
 /// State of the bus; written when it changes and ten times a second.
@@ -90,6 +95,9 @@ struct BusSnapshot {
   can::ControllerStatus controller;
   can::TimestampSource timestamps = can::TimestampSource::thread;
   layer2::StationCounters counters;
+  std::uint64_t taken_by_objects = 0;  ///< frames of others
+  std::uint64_t taken_by_mapping = 0;
+  std::uint64_t dropped_by_mapping = 0;
   std::uint64_t lost = 0;      ///< frames that had no room in `frames`
   std::uint32_t waiting = 0;   ///< orders that wait to be handed over
   std::uint32_t bus_load = 0;  ///< permille, of the last second

@@ -99,6 +99,8 @@ inline constexpr EventKind kEventKinds[] = {
     {"image_writer_lost", "73d268bfd1544e7a8cf924f7511304a5"},
     {"image_given_up", "9f349c93260c4a62b6a98f3785cdf81b"},
     {"image_refused", "b46cfbee661c48c5b7294e9ef650da08"},
+    {"telegrams_left_out", "e823bef700d34b839d11b98c5ba103b0"},
+    {"telegrams_left_out_over", "ca47e9944b224f7aaa7480ce786de2c9"},
     {"run_lead_changed", "e4668ce28e544be3abf0047d98238883"},
     // the CAN bus
     {"second_master", "96bc8b5a34904d9b93c9639b2adbac1a"},

@@ -26,7 +26,8 @@ MappingProblem look_at(const MappingSettings& settings, const MappedBytes& entry
   if (entry.identifier > (wide ? can::kExtendedIdentifierMask : can::kStandardIdentifierMask))
     return MappingProblem::identifier;
   can::Frame frame{.id = entry.identifier, .extended = wide};
-  if (!entry.output && !takes(settings.rule, frame)) return MappingProblem::not_in_rule;
+  if (!entry.output && !settings.table_alone && !takes(settings.rule, frame))
+    return MappingProblem::not_in_rule;
   if (entry.size == 0 || entry.offset + entry.size > kFrameBytes) return MappingProblem::bytes;
   if (entry.address + entry.size > DataMapping::kBytes) return MappingProblem::address;
   auto& messages = entry.output ? seen.out : seen.in;
@@ -87,6 +88,10 @@ void DataMapping::configure(const MappingSettings& settings, std::span<const Map
   for (const MappedBytes& bytes : table) add(bytes.output ? out_ : in_, bytes);
   std::sort(in_.begin(), in_.end(),
             [](const Telegram& a, const Telegram& b) { return a.identifier < b.identifier; });
+  inputs_.fill(0);
+  outputs_.fill(0);
+  sending_ = false;
+  for (std::size_t i = 0; i < out_.size(); ++i) out_[i].last = frame(static_cast<std::uint8_t>(i));
 }
 
 void DataMapping::swap_table(DataMapping& other) noexcept {
@@ -94,6 +99,10 @@ void DataMapping::swap_table(DataMapping& other) noexcept {
   std::swap(settings_, other.settings_);
   in_.swap(other.in_);
   out_.swap(other.out_);
+  inputs_.fill(0);
+  outputs_.fill(0);
+  sending_ = false;
+  ++table_;
 }
 
 void DataMapping::start(Time now) noexcept {
@@ -102,9 +111,8 @@ void DataMapping::start(Time now) noexcept {
   for (Telegram& telegram : out_) {
     telegram.due = false;
     telegram.sent = false;
-    telegram.lost = false;
-    if (!settings_.first_always) telegram.last = frame(static_cast<std::uint8_t>(&telegram - out_.data()));
   }
+  turn_ = 0;
 }
 
 void DataMapping::stop() noexcept {
@@ -113,11 +121,13 @@ void DataMapping::stop() noexcept {
 }
 
 bool DataMapping::receive(const can::Frame& frame) noexcept {
-  if (!runs_ || frame.remote || !takes(settings_.rule, frame)) return false;
+  if (!runs_ || in_.empty() || frame.remote || frame.extended != settings_.rule.extended) return false;
+  if (!settings_.table_alone && !takes(settings_.rule, frame)) return false;
   const std::uint32_t identifier = frame.identifier();
   const auto found = std::lower_bound(in_.begin(), in_.end(), identifier,
                                       [](const Telegram& a, std::uint32_t b) { return a.identifier < b; });
   if (found == in_.end() || found->identifier != identifier) {
+    if (settings_.table_alone) return false;
     ++dropped_;
     return true;
   }
@@ -131,11 +141,17 @@ bool DataMapping::receive(const can::Frame& frame) noexcept {
 void DataMapping::advance(Time now) noexcept {
   if (!runs_ || now < next_) return;
   next_ += ((now - next_) / settings_.interval + 1) * settings_.interval;
+  if (!next()) turn_ = 0;
   for (std::size_t i = 0; i < out_.size(); ++i) {
     Telegram& telegram = out_[i];
     const bool known = telegram.sent || !settings_.first_always;
-    telegram.due = sending_ && (!settings_.on_change || !known || telegram.lost ||
-                                frame(static_cast<std::uint8_t>(i)) != telegram.last);
+    const bool due = sending_ && (!settings_.on_change || !known || telegram.lost ||
+                                  frame(static_cast<std::uint8_t>(i)) != telegram.last);
+    if (due && telegram.due) {
+      ++telegram.left_out;
+      ++left_out_;
+    }
+    telegram.due = due;
   }
 }
 
@@ -151,7 +167,8 @@ Time DataMapping::next_deadline() const noexcept {
 
 std::optional<std::uint8_t> DataMapping::next() const noexcept {
   for (std::size_t i = 0; i < out_.size(); ++i) {
-    if (out_[i].due) return static_cast<std::uint8_t>(i);
+    const std::size_t telegram = (turn_ + i) % out_.size();
+    if (out_[telegram].due) return static_cast<std::uint8_t>(telegram);
   }
   return std::nullopt;
 }
@@ -179,6 +196,7 @@ void DataMapping::handed_over(std::uint8_t telegram, const can::Frame& frame) no
   out.sent = true;
   out.lost = false;
   out.last = frame;
+  turn_ = telegram + 1u;
   ++sent_;
 }
 

@@ -26,7 +26,8 @@ struct MappedBytes {
 struct MappingSettings {
   MaskRule rule = {
       .identifier = 0, .mask = 0, .extended = false};  ///< frames that belong to it; its width holds for all
-  Time interval = std::chrono::milliseconds(10);       ///< between two times of sending, over 0
+  bool table_alone = false;  ///< of the rule the width alone counts: identifiers of the table belong to it
+  Time interval = std::chrono::milliseconds(10);  ///< between two times of sending, over 0
   bool on_change = false;    ///< only telegrams are sent whose bytes are others than those sent last
   bool first_always = true;  ///< with `on_change`: each telegram is sent once at the start
 };
@@ -56,8 +57,9 @@ struct MappingFault {
 /// A telegram that is received is written into the image at once; a second one before anybody looked takes
 /// the place of the first. Bytes beyond those mapped are ignored, places of bytes that did not come keep
 /// their value. Every `interval` the telegrams out are sent one after the other, as long as their highest
-/// mapped byte says, with 0 where nothing is mapped. Memory is allocated by `configure` alone; the rest is
-/// realtime safe. One thread.
+/// mapped byte says, with 0 where nothing is mapped. A round that an interval was too short for goes on where
+/// it ended. A table begins with images that are all 0, and sends nothing until `set_sending`. Memory is
+/// allocated by `configure` alone; the rest is realtime safe. One thread.
 class DataMapping {
  public:
   static constexpr std::size_t kBytes = 1024;    ///< of the image of each direction
@@ -69,9 +71,11 @@ class DataMapping {
   /// Takes a table that `check` has nothing against; it stands still until `start`.
   void configure(const MappingSettings& settings, std::span<const MappedBytes> table);
 
-  /// Takes the table of another mapping, which gets that of this one; the images, what was counted and
-  /// whether it sends stay. It stands still until `start`. Allocates nothing.
+  /// Takes the table of another mapping, which gets that of this one; what was counted of all telegrams stays.
+  /// It stands still until `start`. Allocates nothing.
   void swap_table(DataMapping& other) noexcept;
+  /// Tables taken from others so far.
+  std::uint32_t table() const noexcept { return table_; }
 
   /// The exchange begins: the first telegrams are due `now`. Without telegrams nothing happens.
   void start(Time now) noexcept;
@@ -85,14 +89,15 @@ class DataMapping {
   bool runs() const noexcept { return runs_; }
 
   /// True: the frame belongs to the mapping, and was taken or, without an entry, dropped. Remote frames do
-  /// not belong to it.
+  /// not belong to it, and no frame does without telegrams in.
   bool receive(const can::Frame& frame) noexcept;
 
   /// It is `now`: telegrams become due.
   void advance(Time now) noexcept;
   /// When `advance` must be called at the latest; Time::max(): the exchange stands still.
   Time next_deadline() const noexcept;
-  /// The telegram out that goes next, 0..kMessages-1, in the order of the table; nothing: none is due.
+  /// The telegram out that goes next, 0..kMessages-1, in the order of the table, after the one sent last as
+  /// long as the round of an earlier interval goes on; nothing: none is due.
   std::optional<std::uint8_t> next() const noexcept;
   /// What it sends, of the image as it is.
   can::Frame frame(std::uint8_t telegram) const noexcept;
@@ -114,6 +119,19 @@ class DataMapping {
   std::uint64_t dropped() const noexcept { return dropped_; }
   /// Telegrams handed over since the start.
   std::uint64_t sent() const noexcept { return sent_; }
+  /// A telegram out whose interval passed without it: no place on the bus.
+  struct LeftOut {
+    std::uint32_t identifier = 0;  ///< of the mapping's width
+    std::uint32_t times = 0;       ///< since the table was taken
+  };
+  /// Telegrams out of the table, 0..kMessages.
+  std::size_t telegrams() const noexcept { return out_.size(); }
+  /// How often one was left out; `telegram` below `telegrams()`.
+  LeftOut left_out(std::size_t telegram) const noexcept {
+    return {out_[telegram].identifier, out_[telegram].left_out};
+  }
+  /// How often any was left out, since the start.
+  std::uint64_t left_out() const noexcept { return left_out_; }
 
  private:
   static constexpr std::uint16_t kUnmapped = 0xFFFF;
@@ -124,7 +142,8 @@ class DataMapping {
     bool due = false;
     bool sent = false;  ///< at least once since `start`
     bool lost = false;  ///< handed over, and perhaps never on the bus
-    can::Frame last;
+    can::Frame last;    ///< handed over; of a table that has just begun all 0
+    std::uint32_t left_out = 0;
   };
 
   static Telegram* find(std::vector<Telegram>& telegrams, std::uint32_t identifier) noexcept;
@@ -136,11 +155,14 @@ class DataMapping {
   std::array<std::uint8_t, kBytes> inputs_ = {};
   std::array<std::uint8_t, kBytes> outputs_ = {};
   Time next_{0};
+  std::size_t turn_ = 0;  ///< first telegram that is asked whether it is due
+  std::uint32_t table_ = 0;
   bool runs_ = false;
-  bool sending_ = true;
+  bool sending_ = false;
   std::uint64_t received_ = 0;
   std::uint64_t dropped_ = 0;
   std::uint64_t sent_ = 0;
+  std::uint64_t left_out_ = 0;
 };
 
 }  // namespace layer2

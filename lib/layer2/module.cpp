@@ -63,7 +63,6 @@ void Module::set_running(bool running, Time now) noexcept {
   if (running == running_) return;
   running_ = running;
   if (running) {
-    if (settings_.window.used) window_.timer_stopped(1);
     mapping_.start(now);
     // What the script of power-on does comes before what that of run does.
     if (runner_.runs()) {
@@ -181,13 +180,16 @@ void Module::reset_overflow() noexcept {
 
 void Module::receive(const can::Frame& frame, Time end) noexcept {
   if (!running_) {
-    station_.count_received(false);
+    station_.count_received();
     return;
   }
   const auto object = objects_.receive(frame, end);
-  if (object) tell(ModuleEvent::Kind::object_received, *object, frame, end);
+  if (object) {
+    ++taken_by_objects_;
+    tell(ModuleEvent::Kind::object_received, *object, frame, end);
+  }
   if (object || mapping_.receive(frame)) {
-    station_.count_received(true);
+    station_.count_received();
     return;
   }
   const auto range = station_.receive(frame);

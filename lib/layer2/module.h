@@ -215,6 +215,8 @@ class Module {
 
   /// Filters, orders and counters.
   const Station& station() const noexcept { return station_; }
+  /// Frames that message objects took, since the start.
+  std::uint64_t taken_by_objects() const noexcept { return taken_by_objects_; }
   /// The timers, as they are.
   const Timers& timers() const noexcept { return timers_; }
   /// The synchronous window, as it is.
@@ -250,6 +252,7 @@ class Module {
   BoundedQueue<WaitingFrame> received_;
   BoundedQueue<WaitingFrame> received_high_;
   BoundedQueue<ModuleEvent> events_;
+  std::uint64_t taken_by_objects_ = 0;
   std::uint64_t emptied_for_ = 0;        ///< orders submitted when the send queues were last told to be empty
   const Script* next_script_ = nullptr;  ///< begins when the one under way has ended
   std::optional<ScriptCommand> script_frame_;

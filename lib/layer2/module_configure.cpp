@@ -72,6 +72,10 @@ Refusal Module::configure(PreparedSettings& prepared, Time now) noexcept {
   if (prepared.parts.window && next.window != settings_.window) {
     settings_.window = next.window;
     window_ = SyncWindow(next.window);
+    // From now on they move the window, and send nothing.
+    for (const unsigned number : {1u, 2u}) {
+      if (next.window.used) (void)timers_.stop(number);
+    }
   }
   if (prepared.parts.scripts && !same_scripts(settings_, next)) {
     std::swap(settings_.power_on.commands, next.power_on.commands);

@@ -65,13 +65,9 @@ std::optional<std::uint8_t> Station::receive(const can::Frame& frame) noexcept {
   } else if (takes(*node_, frame)) {
     range = 0;
   }
-  count_received(range.has_value());
+  count_received();
+  if (range) ++counters_.taken;
   return range;
-}
-
-void Station::count_received(bool taken) noexcept {
-  ++counters_.received;
-  if (taken) ++counters_.taken;
 }
 
 Priority Station::priority_of(std::uint8_t range) const noexcept {

@@ -158,8 +158,8 @@ class Station {
   /// A frame of another node came. Position of the range that takes it, 0..kMostRanges-1, with a node filter
   /// 0; nothing: it is not received.
   std::optional<std::uint8_t> receive(const can::Frame& frame) noexcept;
-  /// A frame of another node came that the ranges are not asked about; `taken` by somebody else.
-  void count_received(bool taken) noexcept;
+  /// A frame of another node came that the ranges are not asked about.
+  void count_received() noexcept { ++counters_.received; }
   /// Priority of what the range at a position takes.
   Priority priority_of(std::uint8_t range) const noexcept;
 

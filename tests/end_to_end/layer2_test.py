@@ -269,21 +269,24 @@ class Frames(DaemonTest):
         self.assertEqual(self.one("can", "image", "write", "4", "0102", "FF")["result"], "done")
         image = wait_for("the bytes", lambda: (i := self.one("can", "image"))["outputs"].startswith("000000000102FF") and i)
         expect(["can", "image"], image)
-        written = self.one("can", "image", "write", "0", "AB" * 1024)
-        self.assertEqual(written["result"], "done")
-        expect(["can", "image"], written)
-        wait_for("who wrote has given it up", lambda: not self.one("can", "image")["writer"])
-        with self.place.start("can", "image", "write", "0", "CD", "--hold") as holder:
-            wait_for("it is held", lambda: self.one("can", "image")["writer"])
+        self.assertTrue(image["sending"])
+        with self.place.start("can", "image", "write", "0", "AB" * 1024, "--hold", "--json") as holder:
+            held = wait_for("it is held", lambda: (i := self.one("can", "image"))["writer"] and i)
+            self.assertEqual(held["outputs"], "AB" * 1024)
             self.assertEqual(self.one("can", "image", "write", "0", "00", code=3)["cause"], "wrong_state")
             holder.send_signal(signal.SIGINT)
+            written = holder.next_object()
+        self.assertEqual(written["result"], "done")
+        expect(["can", "image"], written)
+        wait_for("what it gave is sent no more", lambda: not self.one("can", "image")["sending"])
         wait_for("it is given up", lambda: self.place.run("can", "image", "write", "0", "00").returncode == 0)
         with self.place.start("can", "image", "watch", "--count", "2", "--json") as watch:
             watch.next_object()
             self.assertEqual(self.one("can", "image", "write", "0", "77")["result"], "done")
             self.assertTrue(watch.next_object()["outputs"].startswith("77"))
         for arguments, words in ((("fly",), "ACTION: found 'fly'"), (("write", "1024", "00"), "ADDRESS"), (("write", "0"), "BYTES: missing"),
-                                 (("write", "0", "0"), "BYTES: found '0'"), (("write", "1023", "0000"), "end after the image"), (("--hold",), "only with write")):
+                                 (("write", "0", "0"), "BYTES: found '0'"), (("write", "1023", "0000"), "end after the image"), (("--hold",), "only with write"),
+                                 (("write", "0", "00" * 65), "allowed: 64 at once, or more with --hold"), (("write", "0", "00", "--strength", "1"), "only with --hold")):
             result = self.place.run("can", "image", *arguments)
             self.assertEqual(result.returncode, 2, result.stderr)
             self.assertIn(words, result.stderr)

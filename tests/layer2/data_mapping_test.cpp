@@ -27,6 +27,7 @@ DataMapping mapping(const std::vector<MappedBytes>& table, const MappingSettings
   DataMapping mapping;
   mapping.configure(settings, table);
   mapping.start(Time{0});
+  mapping.set_sending(true);
   return mapping;
 }
 
@@ -128,17 +129,83 @@ TEST(DataMapping, L56WithoutSendingTelegramsAreTakenAndNoneIsSent) {
   image.configure({.interval = milliseconds(10)}, table);
   image.start(Time{0});
   image.advance(Time{0});
+  EXPECT_FALSE(image.next()) << "nobody has written yet";
+  image.set_sending(true);
+  image.advance(milliseconds(10));
   ASSERT_TRUE(image.next());
   image.set_sending(false);
   EXPECT_FALSE(image.next()) << "also what was due";
-  image.advance(milliseconds(10));
+  image.advance(milliseconds(20));
   EXPECT_FALSE(image.next());
   EXPECT_TRUE(image.receive(data_frame(0x181, {5})));
   EXPECT_EQ(image.inputs()[3], 5);
   image.set_sending(true);
   EXPECT_FALSE(image.next()) << "not before the next interval";
-  image.advance(milliseconds(20));
+  image.advance(milliseconds(30));
   EXPECT_TRUE(image.next());
+}
+
+TEST(DataMapping, AnotherTableBeginsWithNothingOfTheOneBefore) {
+  DataMapping image = mapping({out(1, 0, 0, 1), in(2, 0, 5, 1)});
+  image.outputs()[0] = 7;
+  EXPECT_TRUE(image.receive(data_frame(2, {9})));
+  DataMapping next = mapping({out(3, 0, 0, 1)});
+  image.swap_table(next);
+  EXPECT_EQ(image.table(), 1u);
+  image.start(Time{0});
+  EXPECT_TRUE(sent(image, Time{0}).empty()) << "nobody has written yet";
+  EXPECT_EQ(image.inputs()[5], 0);
+  image.set_sending(true);
+  EXPECT_EQ(sent(image, milliseconds(10)), std::vector<can::Frame>{data_frame(3, {0})});
+}
+
+TEST(DataMapping, AChangeOfTheStandstillGoesWhenItRuns) {
+  DataMapping image = mapping({out(1, 0, 0, 1)}, {.on_change = true, .first_always = false});
+  image.outputs()[0] = 1;
+  EXPECT_EQ(sent(image, Time{0}).size(), 1u);
+  image.stop();
+  image.outputs()[0] = 2;
+  image.start(milliseconds(50));
+  EXPECT_EQ(sent(image, milliseconds(50)), std::vector<can::Frame>{data_frame(1, {2})});
+  image.stop();
+  image.start(milliseconds(70));
+  EXPECT_TRUE(sent(image, milliseconds(70)).empty());
+}
+
+// 20 of 60 telegrams have room in an interval.
+TEST(DataMapping, WhatTheBusHasNoRoomForTakesTurnsAndIsCounted) {
+  std::vector<MappedBytes> table;
+  for (std::uint32_t i = 0; i < 60; ++i) table.push_back(out(i, 0, static_cast<std::uint16_t>(8 * i), 8));
+  DataMapping image = mapping(table);
+  std::vector<std::uint32_t> order;
+  for (int interval = 0; interval < 30; ++interval) {
+    image.advance(milliseconds(10 * interval));
+    for (int i = 0; i < 20; ++i) {
+      const auto telegram = image.next();
+      ASSERT_TRUE(telegram);
+      order.push_back(image.frame(*telegram).id);
+      image.handed_over(*telegram, image.frame(*telegram));
+    }
+  }
+  for (std::size_t i = 0; i < order.size(); ++i) ASSERT_EQ(order[i], i % 60) << "each as often as the others";
+  EXPECT_EQ(image.left_out(), 29u * 40u);
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i < image.telegrams(); ++i) sum += image.left_out(i).times;
+  EXPECT_EQ(sum, image.left_out());
+  EXPECT_EQ(image.left_out(59).identifier, 59u);
+  EXPECT_GT(image.left_out(59).times, 15u);
+}
+
+TEST(DataMapping, ATableWithoutInputsTakesNothingAndOneWithoutAMaskItsIdentifiersAlone) {
+  DataMapping outputs = mapping({out(1, 0, 0, 1)});
+  EXPECT_FALSE(outputs.receive(data_frame(1, {1})));
+  EXPECT_FALSE(outputs.receive(data_frame(2, {1})));
+  EXPECT_EQ(outputs.dropped(), 0u);
+  DataMapping alone = mapping({in(2, 0, 0, 1)}, {.table_alone = true});
+  EXPECT_TRUE(alone.receive(data_frame(2, {1})));
+  EXPECT_FALSE(alone.receive(data_frame(3, {1})));
+  EXPECT_FALSE(alone.receive(extended(data_frame(2, {1}))));
+  EXPECT_EQ(alone.dropped(), 0u);
 }
 
 TEST(DataMapping, L57ItStopsAndNeedsToBeStartedAnew) {

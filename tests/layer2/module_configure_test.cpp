@@ -77,10 +77,25 @@ TEST_F(ModuleConfigure, EachPartTakesThePlaceOfTheOneInForce) {
   EXPECT_EQ(module_->objects().state(2).settings.rule.identifier, 0x201u);
   EXPECT_TRUE(module_->window().used());
   module_->advance(milliseconds(21));
-  EXPECT_EQ(module_->next_frame(), data_frame(0x310, {9})) << "the image stays";
+  EXPECT_FALSE(module_->next_frame()) << "the image begins anew, and nobody has written it yet";
+  module_->mapping().set_sending(true);
+  module_->advance(milliseconds(31));
+  EXPECT_EQ(module_->next_frame(), data_frame(0x310, {0}));
   module_->set_running(false, milliseconds(22));
   module_->set_running(true, milliseconds(23));
   EXPECT_TRUE(module_->timers().running(3)) << "the new script of run";
+}
+
+TEST_F(ModuleConfigure, TimersThatTheWindowTakesStop) {
+  const TimerSettings timer = {.frame = data_frame(0x85, {}), .period = milliseconds(10)};
+  ASSERT_TRUE(module_->configure_timer(1, timer));
+  ASSERT_TRUE(module_->start_timer(1, milliseconds(7)));
+  ModuleSettings other;
+  other.window = {.used = true, .repeat = milliseconds(10), .end = milliseconds(5)};
+  PreparedSettings next(other);
+  next.parts.window = true;
+  ASSERT_EQ(configure(next), Refusal::none);
+  EXPECT_FALSE(module_->timers().running(1));
 }
 
 TEST_F(ModuleConfigure, WithoutAMappingItsObjectsAreFree) {

@@ -110,6 +110,7 @@ TEST(Module, L5StopEndsWhatRunsAndRunBeginsAnew) {
   settings.mapped = {{.identifier = 0x201, .size = 1, .output = true}};
   Module module(settings);
   module.begin(Time{0});
+  module.mapping().set_sending(true);
   ASSERT_TRUE(module.start_timer(3, Time{0}));
   EXPECT_EQ(run(module, Time{0}, milliseconds(9)).size(), 4u);
   ASSERT_EQ(
@@ -138,6 +139,7 @@ TEST(Module, AMappedTelegramWhoseEchoIsOvertakenGoesOnceMore) {
   settings.mapped = {{.identifier = 0x201, .size = 1, .output = true}};
   Module module(settings);
   module.begin(Time{0});
+  module.mapping().set_sending(true);
   EXPECT_EQ(run(module, Time{0}, milliseconds(5)).size(), 1u);
   module.mapping().outputs()[0] = 7;
   module.advance(milliseconds(10));
@@ -238,6 +240,7 @@ TEST(Module, L59TheOrderOfTheServices) {
   settings.mapped = {{.identifier = 0x201, .size = 1, .output = true}, {.identifier = 0x202, .size = 1}};
   Module module(settings);
   module.begin(Time{0});
+  module.mapping().set_sending(true);
   ASSERT_EQ(module.objects().configure(27, {{.identifier = 0x700}, true, Time{0}}), ObjectProblem::none);
   EXPECT_EQ(module.objects().configure(29, {{.identifier = 0x700}, true, Time{0}}), ObjectProblem::reserved);
   ASSERT_EQ(module.objects().start(27, {data_frame(0x700, {})}, Time{0}), ObjectProblem::none);
@@ -263,6 +266,25 @@ TEST(Module, L59TheOrderOfTheServices) {
   module.receive(data_frame(0x300, {}), Time{3});
   EXPECT_EQ(module.take_received()->frame.id, 0x300u);
   EXPECT_EQ(module.station().counters().received, 4u);
+  EXPECT_EQ(module.station().counters().taken, 1u) << "by a range";
+  EXPECT_EQ(module.taken_by_objects(), 1u);
+  EXPECT_EQ(module.mapping().received(), 1u);
+  EXPECT_EQ(module.mapping().dropped(), 1u);
+}
+
+TEST(Module, L13AWindowThatTheScriptOfPowerOnHasStartedGoesOnInRun) {
+  ModuleSettings settings = everything();
+  settings.window = {true, milliseconds(10), milliseconds(2), milliseconds(3), true};
+  settings.power_on = script("Start 1\nStart 2");
+  settings.starts_in_run = false;
+  Module module(settings);
+  module.begin(Time{0});
+  module.advance(Time{0});
+  ASSERT_TRUE(module.window().runs());
+  module.set_running(true, milliseconds(5));
+  EXPECT_TRUE(module.window().runs());
+  module.set_running(false, milliseconds(6));
+  EXPECT_FALSE(module.window().runs());
 }
 
 TEST(Module, L13OrdersWaitForTheWindowAndEndInIt) {

@@ -8,8 +8,8 @@
 
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/job_desk.h"
-#include "daemon/gateway/dropped_frames.h"
 #include "daemon/gateway/gateway_base.h"
+#include "daemon/gateway/loss_row.h"
 #include "daemon/j1939/exchange.h"
 #include "daemon/j1939/gateway/fault_board.h"
 #include "daemon/j1939/gateway/message_requests.h"
@@ -76,7 +76,7 @@ class MessageGateway final : public GatewayBase<J1939Config, J1939Exchange> {
   std::uint64_t batch_number_ = 0;
   std::uint64_t unwritten_ = 0;  ///< messages of batches that could not be written
   NodeSnapshot bus_;             ///< newest
-  DroppedFrames losses_{"messages"};
+  LossRow losses_{not_published("messages")};
   SteadyTime next_status_;
   j1939_NodeStatus told_status_ = {};  ///< newest
 };

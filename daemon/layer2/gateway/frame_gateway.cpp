@@ -17,6 +17,13 @@ using std::chrono::steady_clock;
 /// Batches published in one pass: requests must not wait behind a bus that never rests.
 constexpr unsigned kBatchesAtOnce = 16;
 
+LossRow::Texts telegrams_left_out() {
+  return {"telegrams_left_out", "telegrams_left_out_over",
+          "telegrams of the process image are left out, because the bus has no room for all of them within "
+          "mapping.interval_ms; which ones says cansync can image; make the interval longer, or send fewer",
+          "telegrams of the process image all have room again; left out"};
+}
+
 /// What FrameStatus says of the module.
 void fill_module(const BusSnapshot& bus, layer2_FrameStatus& sample) {
   sample.running = bus.facts.running;
@@ -56,10 +63,11 @@ FrameGateway::FrameGateway(const Layer2File& file, Layer2Exchange& exchange,
       timers_(participant, 0, &signal_),
       image_(participant, 0, &signal_),
       objects_(participant, 0, &signal_),
-      module_events_(participant, 0, &signal_) {
+      module_events_(participant, 0, &signal_),
+      left_out_(telegrams_left_out()) {
   batch_.reserve(layer2_BATCH);
   jobs_.set_read_by_all(common_.gateway_writer());
-  set_rules();
+  set_rules(steady_clock::now());
 }
 
 FrameGateway::~FrameGateway() {
@@ -75,13 +83,14 @@ SendContext FrameGateway::context(SteadyTime now) {
           image_gate_, lead_};
 }
 
-void FrameGateway::set_rules() {
-  image_gate_.set_rules({!config_.mapped.empty(), config_.access.read_only, config_.writer_lost});
+void FrameGateway::set_rules(SteadyTime now) {
+  image_gate_.set_rules({!config_.mapped.empty(), config_.access.read_only, config_.writer_lost}, now);
+  lead_.set_read_only(config_.access.read_only, now);
 }
 
 SteadyTime FrameGateway::pass(bool samples_may_wait) {
   const SteadyTime now = steady_clock::now();
-  if (take_access(now)) set_rules();
+  if (take_access(now)) set_rules(now);
   const SendContext jobs = context(now);
   // A frame that was sent is told before what came after it.
   take_answers(jobs);
@@ -95,19 +104,20 @@ SteadyTime FrameGateway::pass(bool samples_may_wait) {
     if (jobs_.take_requests(jobs) || more_outputs || more_leads) signal_.raise();
   }
   const SteadyTime status_due = publish_status(now);
-  const SteadyTime due =
-      earliest(status_due, {jobs_.retry(jobs), losses_.next(), image_gate_.tick(now), lead_.tick(now)}, now);
+  const SteadyTime due = earliest(
+      status_due,
+      {jobs_.retry(jobs), losses_.next(), left_out_.next(), image_gate_.tick(now), lead_.tick(now)}, now);
   return more_frames ? now : due;
 }
 
 void FrameGateway::take_answers(const SendContext& context) {
   SendDone done;
   while (exchange_.done.try_pop(done)) jobs_.finish(done, context);
-  take_running();
+  take_running(context.now);
 }
 
 /// What a request has changed.
-void FrameGateway::take_running() {
+void FrameGateway::take_running(SteadyTime time) {
   if (std::exchange(told_changes_, running_.changes()) == running_.changes()) return;
   const Layer2Config& now = running_.config();
   const bool sends_otherwise = now.send.queue != config_.send.queue ||
@@ -116,8 +126,15 @@ void FrameGateway::take_running() {
   config_.send = now.send;
   config_.mapped = now.mapped;
   config_.writer_lost = now.writer_lost;
-  set_rules();
+  set_rules(time);
+  if (image_gate_.table() != running_.tables()) take_table();
   if (sends_otherwise) jobs_.renew_limits();
+}
+
+/// The process image begins anew, or there is none any more.
+void FrameGateway::take_table() {
+  image_gate_.begin_anew();
+  if (config_.mapped.empty() && std::exchange(image_told_, false)) (void)image_.dispose({});
 }
 
 bool FrameGateway::publish_frames() {
@@ -144,6 +161,7 @@ SteadyTime FrameGateway::publish_status(SteadyTime now) {
   const can::ControllerStatus before = bus_.controller;
   if (exchange_.status.read(bus_)) tell_bus(before, bus_.controller, now);
   losses_.tell(bus_.lost + unwritten_, events_, now);
+  left_out_.tell(newest_image_.left_out, events_, now);
   publish_timers(now >= next_status_);
   publish_image(now);
   publish_objects();
@@ -170,6 +188,9 @@ layer2_FrameStatus FrameGateway::frame_status() const {
   sample.bus_load = bus_.bus_load;
   sample.received = bus_.counters.received;
   sample.taken = bus_.counters.taken;
+  sample.taken_by_objects = bus_.taken_by_objects;
+  sample.taken_by_mapping = bus_.taken_by_mapping;
+  sample.dropped_by_mapping = bus_.dropped_by_mapping;
   sample.lost = bus_.lost + unwritten_;
   sample.sent = bus_.counters.sent;
   sample.unanswered = bus_.counters.unanswered;
@@ -222,13 +243,14 @@ void FrameGateway::publish_image(SteadyTime now) {
   if (config_.mapped.empty()) return;
   ImageSnapshot read;
   bool changed = false;
-  if (exchange_.image.read(read)) {
+  if (exchange_.image.read(read) && read.table == image_gate_.table()) {
     changed = read.exchanging != newest_image_.exchanging || read.sending != newest_image_.sending ||
               read.inputs != newest_image_.inputs || read.outputs != newest_image_.outputs;
     newest_image_ = read;
   }
-  if (!changed && now < next_image_) return;
+  if (newest_image_.table != image_gate_.table() || (!changed && now < next_image_)) return;
   next_image_ = now + kStatusPeriod;
+  image_told_ = true;
   layer2_ProcessImage sample = {};
   sample.time = wall_clock_now();
   sample.exchanging = newest_image_.exchanging;
@@ -237,6 +259,12 @@ void FrameGateway::publish_image(SteadyTime now) {
   sample.received = newest_image_.received;
   sample.dropped = newest_image_.dropped;
   sample.sent = newest_image_.sent;
+  sample.left_out = newest_image_.left_out;
+  sample.telegrams = newest_image_.telegrams;
+  for (std::size_t i = 0; i < newest_image_.telegrams; ++i) {
+    sample.telegram_identifier[i] = newest_image_.each_left_out[i].identifier;
+    sample.telegram_left_out[i] = newest_image_.each_left_out[i].times;
+  }
   std::copy(newest_image_.inputs.begin(), newest_image_.inputs.end(), std::begin(sample.inputs));
   std::copy(newest_image_.outputs.begin(), newest_image_.outputs.end(), std::begin(sample.outputs));
   (void)image_.write(sample);

@@ -10,8 +10,8 @@
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/job_desk.h"
 #include "daemon/desk/ownership.h"
-#include "daemon/gateway/dropped_frames.h"
 #include "daemon/gateway/gateway_base.h"
+#include "daemon/gateway/loss_row.h"
 #include "daemon/layer2/exchange.h"
 #include "daemon/layer2/gateway/image_gate.h"
 #include "daemon/layer2/gateway/run_lead_gate.h"
@@ -62,8 +62,9 @@ class FrameGateway final : public GatewayBase<Layer2Config, Layer2Exchange> {
   void publish_objects();
   void publish_events();
   SendContext context(SteadyTime now);
-  void set_rules();
-  void take_running();
+  void set_rules(SteadyTime now);
+  void take_running(SteadyTime time);
+  void take_table();
 
   RunningConfiguration running_;
   JobDesk<SendRequests> jobs_;
@@ -83,10 +84,12 @@ class FrameGateway final : public GatewayBase<Layer2Config, Layer2Exchange> {
   BusSnapshot bus_;              ///< newest
   std::array<TimerState, layer2::Timers::kMost> told_timers_ = {};
   ImageSnapshot newest_image_;
+  bool image_told_ = false;  ///< since there was none
   ObjectsSnapshot told_objects_;
   SteadyTime next_image_;
   std::uint64_t told_changes_ = 0;  ///< of `running_`, in force here
-  DroppedFrames losses_{"frames"};
+  LossRow losses_{not_published("frames")};
+  LossRow left_out_;
   SteadyTime next_status_;
   layer2_FrameStatus told_status_ = {};  ///< newest
   OwnershipChanges ownership_;

@@ -37,7 +37,8 @@ bool ImageGate::take_samples(SteadyTime now) {
                                  [&](const layer2_ImageOutputs& sample, const dds_sample_info_t& info) {
                                    take(sample, info.publication_handle, now);
                                  });
-  if (reader_.lost(0, arbiter_)) lost(now);
+  if (reader_.lost(0, arbiter_))
+    gone(gateway_SEVERITY_ERROR, "image_writer_lost", "has gone without giving the image up", now);
   reader_.tell_dropped(events_, now);
   if (changed_) exchange_.outputs.write(image_);
   changed_ = false;
@@ -48,12 +49,7 @@ void ImageGate::take(const layer2_ImageOutputs& sample, WriterHandle writer, Ste
   if (sample.given_up) {
     arbiter_.forget(writer);
     if (arbiter_.owner().handle != writer) return;
-    EventText event{gateway_SEVERITY_INFO, "image_given_up", -1,
-                    fmt::format("{} gives the image up, which stays as it is", owner()), std::nullopt};
-    event.client = owner();
-    events_.publish(event, now);
-    arbiter_.free();
-    return;
+    return gone(gateway_SEVERITY_INFO, "image_given_up", "gives the image up", now);
   }
   if (const auto problem = problem_of(sample)) {
     if (refusals_.add(1, now)) {
@@ -66,8 +62,9 @@ void ImageGate::take(const layer2_ImageOutputs& sample, WriterHandle writer, Ste
   const TopicWriter from = reader_.writer_of(sample, writer);
   const WriterArbiter::Claim claim = arbiter_.claim(writer, from.identity.strength);
   if (claim == WriterArbiter::Claim::waits) return tell_waiting(events_, arbiter_, from, now);
-  if (claim != WriterArbiter::Claim::keeps) take_over(from, now);
+  if (claim != WriterArbiter::Claim::keeps) give_to(from, now);
   std::copy_n(sample.data._buffer, sample.data._length, image_.bytes.begin() + sample.address);
+  image_.sending = true;
   changed_ = true;
 }
 
@@ -89,7 +86,7 @@ gateway::dds::Problem ImageGate::problem_of(const layer2_ImageOutputs& sample) c
                             text::counted(sample.data._length, "byte"), image_.bytes.size())};
 }
 
-void ImageGate::take_over(const TopicWriter& writer, SteadyTime now) {
+void ImageGate::give_to(const TopicWriter& writer, SteadyTime now) {
   const std::string before = owner();
   arbiter_.give(writer);
   const bool first = before.empty();
@@ -99,20 +96,34 @@ void ImageGate::take_over(const TopicWriter& writer, SteadyTime now) {
       std::nullopt};
   event.client = owner();
   events_.publish(event, now);
-  image_.sending = true;
-  changed_ = true;
+  image_.bytes.fill(0);
 }
 
-void ImageGate::lost(SteadyTime now) {
-  EventText event{gateway_SEVERITY_ERROR, "image_writer_lost", -1,
-                  fmt::format("{} has gone without giving the image up: {}", owner(), text_of(rules_.lost)),
-                  std::nullopt};
+/// Whoever has given the image gives it no more.
+void ImageGate::gone(gateway_EventSeverity severity, EventCode code, std::string_view how, SteadyTime now) {
+  const std::string who = owner().empty() ? "who wrote it by request" : owner();
+  EventText event{severity, code, -1, fmt::format("{} {}: {}", who, how, text_of(rules_.lost)), std::nullopt};
   event.client = owner();
   events_.publish(event, now);
   arbiter_.free();
   if (rules_.lost == WriterLost::zero) image_.bytes.fill(0);
   if (rules_.lost == WriterLost::stop_sending) image_.sending = false;
   changed_ = true;
+}
+
+void ImageGate::set_rules(const Rules& rules, SteadyTime now) {
+  const bool shut = rules.read_only && !rules_.read_only;
+  rules_ = rules;
+  if (!shut || !(image_.sending || arbiter_.owner().handle != 0)) return;
+  gone(gateway_SEVERITY_INFO, "image_writer_lost", "may not write while access.read_only is set", now);
+  exchange_.outputs.write(image_);
+  changed_ = false;
+}
+
+void ImageGate::begin_anew() {
+  image_.bytes.fill(0);
+  image_.sending = false;
+  ++image_.table;
 }
 
 bool ImageGate::write(std::uint16_t address, std::span<const std::uint8_t> bytes) {

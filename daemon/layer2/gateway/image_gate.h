@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/owned_reader.h"
@@ -17,10 +18,11 @@
 
 namespace cansyncd {
 
-/// The process image that is sent: who owns it, what is in it, and what becomes of it when its owner dies.
+/// The process image that is sent: who owns it, what is in it, and what becomes of it when its owner has gone.
 /// Gateway thread only.
 ///
-/// The owner is the writer of ImageOutputs that has it (WriterArbiter); while there is one, nobody else writes. Owner or
+/// The owner is the writer of ImageOutputs that has it (WriterArbiter); while there is one, nobody else writes. It begins
+/// with bytes that are all 0. Nothing is sent until somebody has written, also after another table was taken. Owner or
 /// not, the realtime thread has all of a change or nothing of it between two telegrams.
 class ImageGate {
  public:
@@ -38,8 +40,12 @@ class ImageGate {
     bool read_only = false;  ///< nobody writes it
     WriterLost lost = WriterLost::hold;
   };
-  /// Takes effect with the next sample.
-  void set_rules(const Rules& rules) noexcept { rules_ = rules; }
+  /// Whoever has given the image counts as gone while it is read-only.
+  void set_rules(const Rules& rules, SteadyTime now);
+  /// Another table was taken: the image begins anew, and whoever owns it has to write it anew.
+  void begin_anew();
+  /// Tables taken so far.
+  std::uint32_t table() const noexcept { return image_.table; }
 
   /// Takes what has come, and looks whether the owner is gone. True: there may be more.
   bool take_samples(SteadyTime now);
@@ -59,8 +65,8 @@ class ImageGate {
  private:
   void take(const layer2_ImageOutputs& sample, WriterHandle writer, SteadyTime now);
   gateway::dds::Problem problem_of(const layer2_ImageOutputs& sample) const;
-  void take_over(const TopicWriter& writer, SteadyTime now);
-  void lost(SteadyTime now);
+  void give_to(const TopicWriter& writer, SteadyTime now);
+  void gone(gateway_EventSeverity severity, EventCode code, std::string_view how, SteadyTime now);
 
   OwnedReader<layer2_ImageOutputs> reader_;
   WriterArbiter arbiter_{"the image that is sent"};

@@ -33,13 +33,21 @@ bool RunLeadGate::take_samples(SteadyTime now) {
                                  [&](const layer2_RunLead& sample, const dds_sample_info_t& info) {
                                    take(sample, info.publication_handle, now);
                                  });
-  if (reader_.lost(0, arbiter_)) {
-    const std::string who = program();
-    arbiter_.free();
-    set(false, fmt::format("{} has gone, which run and stop follow: stop", who), true, now);
-  }
+  if (reader_.lost(0, arbiter_)) gone("has gone", true, now);
   reader_.tell_dropped(events_, now);
   return more;
+}
+
+void RunLeadGate::set_read_only(bool read_only, SteadyTime now) {
+  read_only_ = read_only;
+  if (read_only && arbiter_.owner().handle != 0)
+    gone("is not heard while access.read_only is set", false, now);
+}
+
+void RunLeadGate::gone(std::string_view how, bool fault, SteadyTime now) {
+  const std::string who = program();
+  arbiter_.free();
+  set(false, fmt::format("{} {}, which run and stop follow: stop", who, how), fault, now);
 }
 
 void RunLeadGate::take(const layer2_RunLead& sample, WriterHandle writer, SteadyTime now) {
@@ -47,6 +55,18 @@ void RunLeadGate::take(const layer2_RunLead& sample, WriterHandle writer, Steady
                       gateway::dds::addressee(gateway::dds::daemon_of(sample), daemon_) ==
                           gateway::dds::Addressee::this_daemon;
   if (!counts) return;
+  if (read_only_) {
+    if (!refusals_.add(1, now)) return;
+    EventText event{
+        gateway_SEVERITY_WARNING, "run_lead_changed", -1,
+        fmt::format("{} says: {}; it is not heard while access.read_only is set, and has to say it "
+                    "again afterwards",
+                    name_, sample.run ? "run" : "stop"),
+        std::nullopt};
+    event.client = name_;
+    events_.publish(event, now);
+    return;
+  }
   const TopicWriter from = reader_.writer_of(sample, writer);
   const WriterArbiter::Claim claim = arbiter_.claim(writer, from.identity.strength);
   if (claim == WriterArbiter::Claim::waits) return tell_waiting(events_, arbiter_, from, now);
@@ -76,7 +96,8 @@ bool RunLeadGate::flush() {
 }
 
 std::optional<SteadyTime> RunLeadGate::tick(SteadyTime now) {
-  if (flush()) return std::nullopt;
+  (void)refusals_.take_over(now);
+  if (flush()) return refusals_.next();
   return now + kRetry;
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <chrono>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/owned_reader.h"
@@ -17,15 +19,20 @@ namespace cansyncd {
 /// no part in it. Gateway thread only.
 class RunLeadGate {
  public:
+  /// A row of samples that are not heard is over when none came for so long.
+  static constexpr std::chrono::seconds kQuiet{1};
+
   /// `name`: of the program; empty: none is followed, and nothing is ever changed. `daemon`: this start. All
   /// must outlive the gate. Throws gateway::dds::SetupError.
   RunLeadGate(const gateway::dds::Participant& participant, gateway::dds::DataSignal& signal,
               EventPublisher& events, const DaemonIdentity& daemon, std::string name,
               Layer2Exchange& exchange);
 
+  /// While it is read-only no program is heard, and one that is there counts as gone.
+  void set_read_only(bool read_only, SteadyTime now);
   /// Takes what has come, and looks whether the program is gone. True: there may be more.
   bool take_samples(SteadyTime now);
-  /// Tries again what had no room. Returns when to call again; nothing: no need.
+  /// Tries again what had no room, and looks whether a row of refusals is over. Returns when to call again; nothing: no need.
   std::optional<SteadyTime> tick(SteadyTime now);
 
   /// A program is followed, whether it is there or not.
@@ -41,6 +48,7 @@ class RunLeadGate {
 
  private:
   void take(const layer2_RunLead& sample, WriterHandle writer, SteadyTime now);
+  void gone(std::string_view how, bool fault, SteadyTime now);
   void set(bool run, std::string text, bool fault, SteadyTime now);
   bool flush();
 
@@ -50,8 +58,10 @@ class RunLeadGate {
   const DaemonIdentity daemon_;
   const std::string name_;
   Layer2Exchange& exchange_;
+  bool read_only_ = false;
   bool run_ = false;
   std::optional<bool> wanted_;  ///< had no room yet
+  FaultRow refusals_{kQuiet};
 };
 
 }  // namespace cansyncd

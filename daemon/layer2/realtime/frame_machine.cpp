@@ -77,6 +77,7 @@ void FrameMachine::take_request(const Layer2Request& request, can::Time now) noe
 
 void FrameMachine::take_outputs() noexcept {
   if (!exchange_.outputs.read(outputs_)) return;
+  if (outputs_.table != module_.mapping().table()) return;  // given for the one before
   std::copy(outputs_.bytes.begin(), outputs_.bytes.end(), module_.mapping().outputs().begin());
   module_.mapping().set_sending(outputs_.sending);
 }
@@ -172,6 +173,9 @@ void FrameMachine::take_snapshot() noexcept {
   using layer2::Priority;
   const layer2::Station& station = module_.station();
   snapshot_.counters = station.counters();
+  snapshot_.taken_by_objects = module_.taken_by_objects();
+  snapshot_.taken_by_mapping = module_.mapping().received();
+  snapshot_.dropped_by_mapping = module_.mapping().dropped();
   snapshot_.timestamps = bus_.timestamp_source();
   snapshot_.waiting = static_cast<std::uint32_t>(station.waiting());
   snapshot_.script_running = module_.script_runs();
@@ -202,8 +206,15 @@ void FrameMachine::publish_image(can::Time now) noexcept {
   if (!module_.has_mapping() || now < next_image_) return;
   const layer2::DataMapping& mapping = module_.mapping();
   next_image_ = now + kImagePeriod;
-  ImageSnapshot newest{
-      mapping.runs(), mapping.sending(), mapping.received(), mapping.dropped(), mapping.sent(), {}, {}};
+  ImageSnapshot newest{.table = mapping.table(),
+                       .exchanging = mapping.runs(),
+                       .sending = mapping.sending(),
+                       .received = mapping.received(),
+                       .dropped = mapping.dropped(),
+                       .sent = mapping.sent(),
+                       .left_out = mapping.left_out(),
+                       .telegrams = static_cast<std::uint8_t>(mapping.telegrams())};
+  for (std::size_t i = 0; i < newest.telegrams; ++i) newest.each_left_out[i] = mapping.left_out(i);
   std::copy(mapping.inputs().begin(), mapping.inputs().end(), newest.inputs.begin());
   std::copy(mapping.outputs().begin(), mapping.outputs().end(), newest.outputs.begin());
   const bool changed = newest.exchanging != image_.exchanging || newest.sending != image_.sending ||

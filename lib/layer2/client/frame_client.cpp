@@ -179,7 +179,8 @@ void FrameClient::wait_for_match(const gateway::dds::WriterBase& writer) {
 std::optional<layer2_ProcessImage> FrameClient::image(milliseconds time, bool fresh) {
   if (fresh) image_.reset();
   (void)look_until(time, [&] {
-    image_reader_.take([this](const layer2_ProcessImage& sample) { image_ = sample; });
+    image_reader_.take([this](const layer2_ProcessImage& sample) { image_ = sample; },
+                       [this](const layer2_ProcessImage& /*gone*/) { image_.reset(); });
     return image_.has_value();
   });
   return image_;

@@ -63,31 +63,32 @@ std::string ImageWriter::put(layer2_ImageOutputs& sample) {
 }
 
 std::string ImageWriter::write(std::uint16_t address, std::span<const std::uint8_t> bytes) {
-  layer2_ImageOutputs sample = {};
-  sample.address = address;
-  // A sample's bytes may be changed by DDS's types.
-  std::array<std::uint8_t, sizeof(layer2_ProcessImage::outputs)> copy = {};
-  const std::size_t size = std::min(bytes.size(), copy.size());
-  if (size != bytes.size()) return "more bytes than the image has";
-  std::copy(bytes.begin(), bytes.end(), copy.begin());
-  sample.data._buffer = copy.data();
-  sample.data._length = sample.data._maximum = static_cast<std::uint32_t>(size);
+  if (address + bytes.size() > image_.size())
+    return "address and bytes: end after the image; allowed 0..1024 together";
   if (std::string had =
           gateway::dds::had_by_another("the image that is sent", image_owner(client_), writer_, strength_);
       !had.empty())
     return had;
-  written_ = true;
+  std::copy(bytes.begin(), bytes.end(), image_.begin() + address);
+  begin_ = end_ == 0 ? address : std::min<std::size_t>(begin_, address);
+  end_ = std::max(end_, address + bytes.size());
+  layer2_ImageOutputs sample = {};
+  sample.address = static_cast<std::uint16_t>(begin_);
+  auto copy = image_;  // DDS's types may change a sample's bytes
+  sample.data._buffer = copy.data() + begin_;
+  sample.data._length = sample.data._maximum = static_cast<std::uint32_t>(end_ - begin_);
   return put(sample);
 }
 
 void ImageWriter::give_up() {
-  if (!written_) return;
+  if (end_ == 0) return;
   layer2_ImageOutputs sample = {};
   sample.given_up = true;
   (void)put(sample);
   (void)writer_.unregister(sample);
   (void)dds_wait_for_acks(writer_.handle(), DDS_MSECS(500));
-  written_ = false;
+  image_.fill(0);
+  begin_ = end_ = 0;
 }
 
 RunLead::RunLead(FrameClient& client, std::string_view client_name, std::int32_t strength)

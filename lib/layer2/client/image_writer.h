@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -12,19 +14,21 @@
 namespace layer2::client {
 
 /// Writes the process image that is sent, as its owner: there is one at a time, until it gives the image up, is
-/// lost, or a stronger one comes. When the program dies without giving the image up, the daemon does what mapping.writer_lost says. One thread.
+/// lost, or a stronger one comes. When it has gone, the daemon does what mapping.writer_lost says. One thread.
+///
+/// Each sample repeats what was written before, so that one which overtakes another loses nothing.
 class ImageWriter {
  public:
   /// For the daemon that `client` sees now, whose next start takes nothing, until `take_up`. `strength`: 0
   /// and more, or gateway::dds::kTakeOver. `client` must outlive the writer. Throws gateway::dds::SetupError.
   ImageWriter(FrameClient& client, std::int32_t strength);
-  /// Gives the image up, which stays as it is.
+  /// Gives the image up.
   ~ImageWriter();
   ImageWriter(const ImageWriter&) = delete;
   ImageWriter& operator=(const ImageWriter&) = delete;
 
   /// Writes bytes from `address` (0..1023) on, at most 1024 together; between two telegrams all of them are
-  /// in the image or none. Returns what failed; empty: they were handed to DDS. While another writer owns the
+  /// in the image or none. Bytes that this writer has not written are 0, those between two that it has, too. Returns what failed; empty: they were handed to DDS. While another writer owns the
   /// image that is no weaker, nothing is written. What the daemon refuses is its event `image_refused`.
   std::string write(std::uint16_t address, std::span<const std::uint8_t> bytes);
   /// The image is nobody's from now on, until a writer gives bytes.
@@ -44,7 +48,10 @@ class ImageWriter {
   const std::int32_t strength_;
   gateway::dds::Writer<layer2_ImageOutputs> writer_;
   gateway::dds::DaemonIdentity daemon_ = {};
-  bool written_ = false;
+  std::array<std::uint8_t, sizeof(layer2_ProcessImage::outputs)> image_ = {};
+  std::size_t begin_ =
+      0;  ///< of the bytes of `image_` that were written since this writer began, or gave it up
+  std::size_t end_ = 0;  ///< behind the last of them; as `begin_`: none
 };
 
 /// Says whether the module is to run, when its run and stop follow this program (module.run_follows has its

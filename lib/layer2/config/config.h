@@ -35,7 +35,7 @@ struct TimerConfig {
   layer2::TimerSettings timer;
 };
 
-/// What becomes of the image that is sent when its writer dies.
+/// What becomes of the image that is sent when its writer has gone.
 enum class WriterLost : std::uint8_t { hold, zero, stop_sending };
 
 /// One message object.
@@ -86,7 +86,7 @@ struct Layer2Config : DaemonConfig {
   layer2::WindowSettings window;
   ScriptConfig script;
   layer2::MappingSettings mapping;
-  WriterLost writer_lost = WriterLost::hold;
+  WriterLost writer_lost = WriterLost::stop_sending;
   std::vector<layer2::MappedBytes> mapped;  ///< by number
   std::vector<SimNodeConfig> nodes;         ///< by number, each once
 };

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <map>
 #include <utility>
 
+#include "can/frame_length.h"
 #include "layer2/config/options.h"
 
 namespace cansyncd {
@@ -110,7 +113,40 @@ std::string_view text_of(layer2::MappingProblem problem) {
   return "";
 }
 
+/// What the table sends each interval must have room on the bus, even without a single stuff bit.
+void check_load(const Layer2Config& config, Findings& findings) {
+  constexpr unsigned kExtendedBits = 20;  // more than in a frame of 11 bits
+  std::map<std::uint32_t, std::uint8_t> lengths;
+  for (const layer2::MappedBytes& bytes : config.mapped) {
+    std::uint8_t& length = lengths[bytes.identifier];
+    if (bytes.output) length = std::max(length, static_cast<std::uint8_t>(bytes.offset + bytes.size));
+  }
+  std::erase_if(lengths, [](const auto& telegram) { return telegram.second == 0; });
+  std::int64_t bits = 0;
+  for (const auto& [identifier, length] : lengths)
+    bits += can::unstuffed_bits(length) + (config.mapping.rule.extended ? kExtendedBits : 0);
+  const std::int64_t microseconds = bits * 1'000'000 / config.bus.bits_per_second;
+  const std::int64_t interval =
+      std::chrono::duration_cast<std::chrono::microseconds>(config.mapping.interval).count();
+  if (config.mapping.on_change || microseconds <= interval) return;
+  findings.problem(
+      "mapping.interval_ms",
+      fmt::format(
+          "found {} ms, but all telegrams of the table together ({}) take {:.1f} ms at {} bit/s, without any "
+          "other frame; allowed: at least {}, fewer telegrams, or mapping.on_change",
+          interval / 1000, lengths.size(), static_cast<double>(microseconds) / 1000,
+          config.bus.bits_per_second, (microseconds + 999) / 1000));
+}
+
 void finish_mapping(Layer2Draft& draft, Findings& findings) {
+  draft.config.mapping.table_alone = !draft.mapping_mask;
+  draft.config.mapping.rule.mask = draft.mapping_mask.value_or(0);
+  draft.config.mapping.rule.identifier = draft.mapping_identifier.value_or(0);
+  if (draft.mapping_identifier && !draft.mapping_mask)
+    findings.problem(
+        "mapping.identifier",
+        "found without mapping.mask, so that no bit of it counts; allowed: both, or neither: the "
+        "identifiers of [[mapped]] come in then");
   std::vector<std::size_t> numbers;
   for (std::size_t n = 0; n < draft.mapped.size(); ++n) {
     if (!draft.mapped[n].given) continue;
@@ -122,6 +158,7 @@ void finish_mapping(Layer2Draft& draft, Findings& findings) {
   if (fault.problem != layer2::MappingProblem::none)
     findings.problem(fmt::format("mapped.{}.number", numbers[fault.entry]),
                      std::string(text_of(fault.problem)));
+  check_load(draft.config, findings);
 }
 
 void finish_objects(Layer2Draft& draft, Findings& findings) {

@@ -218,13 +218,16 @@ constexpr auto kRows = std::to_array<Layer2Row>({
         [](auto& d) -> auto& { return d.config.window.holds_high; },
         boolean("window.high_priority", "Requests of high priority are held, too.")),
     // --- [mapping]
-    {example("0x180", whole_number("mapping.identifier", "0", 0, kLargestIdentifier, "",
+    {example("0x180", whole_number("mapping.identifier", "(none)", 0, kLargestIdentifier, "",
                                    "Telegrams received: their identifier where the mask has ones.")),
-     [](Layer2Draft& d, const Value& v) { d.config.mapping.rule.identifier = whole<std::uint32_t>(v); }},
+     [](Layer2Draft& d, const Value& v) { d.mapping_identifier = whole<std::uint32_t>(v); }},
     {example("0x700",
-             whole_number("mapping.mask", "0", 0, kLargestIdentifier, "",
-                          "Bits of the identifier that count; 0 = every frame belongs to the mapping.")),
-     [](Layer2Draft& d, const Value& v) { d.config.mapping.rule.mask = whole<std::uint32_t>(v); }},
+             whole_number(
+                 "mapping.mask", "(none)", 0, kLargestIdentifier, "",
+                 "Bits of the identifier that count; 0 = every frame belongs to the mapping. Frames that "
+                 "belong to it and are not in the table are dropped. Without a mask only the identifiers "
+                 "of the table belong to it.")),
+     [](Layer2Draft& d, const Value& v) { d.mapping_mask = whole<std::uint32_t>(v); }},
     field(
         [](auto& d) -> auto& { return d.config.mapping.rule.extended; },
         boolean("mapping.extended", "29-bit identifiers; false = 11-bit ones.")),
@@ -242,8 +245,9 @@ constexpr auto kRows = std::to_array<Layer2Row>({
         [](auto& d) -> auto& { return d.config.writer_lost; },
         word(
             "mapping.writer_lost",
-            "When the program that owns the image that is sent dies: hold = it is sent on as it is; zero = its bytes "
-            "become 0; stop_sending = it is not sent until another program writes it.")),
+            "When the program that owns the image that is sent has gone, has given it up, or may write no more: "
+            "stop_sending = the image is not sent until a program writes it; zero = its bytes become 0; hold = it is "
+            "sent on as it is.")),
     // --- [[mapped]]
     {config::rows::label("mapped.number", Layer2Draft::kMostMapped - 1, "Place in the table."),
      [](Layer2Draft& d, const Value&) { d.mapped[d.number].given = true; }},

@@ -54,6 +54,8 @@ struct Layer2Draft {
   std::array<Timer, layer2::Timers::kMost + 1> timers = {};
   std::array<Object, layer2::MessageObjects::kMost> objects = {};
   std::array<Mapped, kMostMapped> mapped = {};
+  std::optional<std::uint32_t> mapping_identifier;
+  std::optional<std::uint32_t> mapping_mask;
   unsigned number = 0;  ///< of the section an option belongs to
 
   /// The settings that follow are of the section with this number.

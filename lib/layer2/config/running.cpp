@@ -36,21 +36,33 @@ constexpr auto kChangingSections = std::to_array<ChangingSection>({{"send", &Par
                                                                    {"mapping", &Parts::mapping},
                                                                    {"mapped", &Parts::mapping}});
 
-/// Sections that are replaced together with another one.
-std::set<std::string, std::less<>> with_their_pair(std::set<std::string, std::less<>> names) {
-  constexpr std::pair<std::string_view, std::string_view> kPairs[] = {{"receive", "filter"},
-                                                                      {"mapping", "mapped"}};
-  for (const auto& [one, other] : kPairs) {
-    if (names.count(one) == 0 && names.count(other) == 0) continue;
-    names.emplace(one);
-    names.emplace(other);
-  }
-  return names;
+std::string_view section_of(std::string_view key) {
+  return key.substr(0, key.find('.'));
 }
 
-std::string section_of(std::string_view key) {
-  return std::string(key.substr(0, key.find('.')));
-}
+/// What a text names.
+struct Named {
+  explicit Named(const config::Document& document, const config::Settings& wanted) {
+    for (const config::Node& node : document.nodes) sections.emplace(node.path.front().name);
+    for (const config::Setting& setting : wanted.items) keys.insert(setting.key);
+    const auto in_mapping = [](const std::string& key) { return section_of(key) == "mapping"; };
+    ends_mapping = sections.count("mapping") != 0 && sections.count("mapped") == 0 &&
+                   std::none_of(keys.begin(), keys.end(), in_mapping);
+  }
+  /// A setting in force does not count any more.
+  bool replaces(const config::Setting& setting) const {
+    const std::string_view section = section_of(setting.key);
+    if (section == "mapped" && ends_mapping) return true;
+    // Ranges and node filter are alternatives.
+    if (section == "filter" && sections.count("receive") != 0) return true;
+    if (!setting.numbers.empty()) return sections.count(section) != 0;
+    return keys.count(setting.key) != 0;
+  }
+
+  std::set<std::string, std::less<>> sections;
+  std::set<std::string, std::less<>> keys;
+  bool ends_mapping = false;  ///< [mapping] without anything in it, and no table
+};
 
 std::string text_of(const std::vector<config::Problem>& problems) {
   std::string text = config::to_string(problems.front());
@@ -86,12 +98,10 @@ std::shared_ptr<PreparedConfiguration> RunningConfiguration::prepare(std::string
   }
   problem = not_changeable(document);
   if (!problem.empty()) return nullptr;
-  std::set<std::string, std::less<>> named;
-  for (const config::Node& node : document.nodes) named.insert(node.path.front().name);
-  const auto replaced = with_their_pair(named);
   config::Settings wanted = config::resolve(document, layer2_options());
+  const Named named(document, wanted);
   for (const config::Setting& setting : settings_) {
-    if (replaced.count(section_of(setting.key)) == 0) wanted.items.push_back(setting);
+    if (!named.replaces(setting)) wanted.items.push_back(setting);
   }
   Layer2File file = build_layer2_config(std::move(wanted), kText);
   if (!file.problems.empty()) {
@@ -101,7 +111,7 @@ std::shared_ptr<PreparedConfiguration> RunningConfiguration::prepare(std::string
   auto prepared = std::make_shared<PreparedConfiguration>(PreparedConfiguration{
       file.config, std::move(file.settings), layer2::PreparedSettings(module_settings(file.config))});
   for (const ChangingSection& section : kChangingSections) {
-    if (replaced.count(section.name) != 0) prepared->module.parts.*section.part = true;
+    if (named.sections.count(section.name) != 0) prepared->module.parts.*section.part = true;
   }
   under_way_ = prepared;
   return prepared;
@@ -109,6 +119,7 @@ std::shared_ptr<PreparedConfiguration> RunningConfiguration::prepare(std::string
 
 void RunningConfiguration::adopt(const PreparedConfiguration& prepared) {
   ++changes_;
+  if (prepared.module.parts.mapping) ++tables_;
   config_ = prepared.config;
   settings_ = prepared.settings;
 }

@@ -22,9 +22,10 @@ struct PreparedConfiguration {
 /// The configuration in force while the daemon runs, which requests change in parts. Gateway thread only,
 /// once it runs.
 ///
-/// A request has sections of a configuration file. Each that it names takes the place of that section as it
-/// is in force (`mapping` and `mapped` are one, so are `receive` and `filter`); the others stay. The whole is
-/// read by the reader of the file.
+/// A request has sections of a configuration file. Each option that it names takes the place of the one in force,
+/// and all sections of an array ([[timer]]) that it names that of the array in force; everything else stays.
+/// `[mapping]` with nothing in it ends the mapping; ranges take the place of the node filter, too. The whole is read by
+/// the reader of the file.
 class RunningConfiguration {
  public:
   /// `file` has no problems.
@@ -44,12 +45,15 @@ class RunningConfiguration {
   const Layer2Config& config() const noexcept { return config_; }
   /// Rises with each configuration that was taken over.
   std::uint64_t changes() const noexcept { return changes_; }
+  /// Of them, those with another table of the process image.
+  std::uint32_t tables() const noexcept { return tables_; }
 
  private:
   Layer2Config config_;
   std::vector<config::Setting> settings_;
   std::weak_ptr<PreparedConfiguration> under_way_;
   std::uint64_t changes_ = 0;
+  std::uint32_t tables_ = 0;
 };
 
 }  // namespace cansyncd

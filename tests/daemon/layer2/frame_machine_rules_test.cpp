@@ -53,6 +53,8 @@ class BusyBus final : public test::WatchedTurns {
       // What it takes over it gives back the next time.
       exchange_.requests.try_push(layer2::ControlOrder{
           .id = number_ - 1, .what = layer2::Control::configure, .prepared = &prepared_});
+      outputs_.table = static_cast<std::uint32_t>(configured);
+      outputs_.sending = true;
       outputs_.bytes[0] = static_cast<std::uint8_t>(number_);
       exchange_.outputs.write(outputs_);
     }

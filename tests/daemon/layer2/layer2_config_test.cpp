@@ -1,5 +1,7 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -10,6 +12,7 @@
 #include "daemon/layer2/segment/layer2_segment.h"
 #include "layer2/config/file.h"
 #include "layer2/config/options.h"
+#include "layer2/config/running.h"
 
 namespace cansyncd {
 namespace {
@@ -165,6 +168,74 @@ size = 8
   EXPECT_EQ(
       problems("[[mapped]]\nnumber = 3\nsize = 2\n[[mapped]]\nnumber = 5\naddress = 1\nidentifier = 1\n"),
       "f.toml:5:10: mapped.5.number: another entry fills the same byte of the image\n");
+}
+
+TEST_F(Layer2Configuration, WithoutAMaskOnlyTheTableBelongsToAMapping) {
+  const Layer2Config config = good("[[mapped]]\nnumber = 0\nidentifier = 0x201\n");
+  EXPECT_TRUE(config.mapping.table_alone);
+  EXPECT_FALSE(good("[mapping]\nmask = 0\n").mapping.table_alone);
+  EXPECT_EQ(
+      problems("[mapping]\nidentifier = 0x180\n").find("f.toml:2:14: mapping.identifier: found without"), 0u);
+}
+
+// 20 telegrams of 8 bytes have 111 bits each without stuff bits: 8.88 ms at 250 kbit/s.
+TEST_F(Layer2Configuration, ATableThatTheBusCannotCarryIsRefused) {
+  const auto text = [](int telegrams, const std::string& more) {
+    std::string all = "[bus]\nbit_rate = 250000\n[mapping]\ninterval_ms = 9\n" + more;
+    for (int i = 0; i < telegrams; ++i)
+      all += fmt::format("[[mapped]]\nnumber = {}\nidentifier = {}\nsize = 8\noutput = true\n", i, i);
+    return all;
+  };
+  (void)good(text(20, ""));
+  EXPECT_EQ(
+      problems(text(21, "")),
+      "f.toml:4:15: mapping.interval_ms: found 9 ms, but all telegrams of the table together (21) take 9.3 ms at 250000 "
+      "bit/s, without any other frame; allowed: at least 10, fewer telegrams, or mapping.on_change\n");
+  (void)good(text(21, "on_change = true\n"));
+}
+
+TEST_F(Layer2Configuration, ATextChangesWhatItNamesAndNothingElse) {
+  const Layer2File file = load(R"([mapping]
+identifier = 0x180
+mask = 0x780
+writer_lost = "zero"
+first_always = false
+[[mapped]]
+number = 0
+identifier = 0x201
+output = true
+[filter]
+node = 5
+)");
+  ASSERT_TRUE(file.problems.empty());
+  RunningConfiguration running(file);
+  const auto change = [&](std::string_view toml) {
+    std::string problem;
+    const auto prepared = running.prepare(toml, problem);
+    ASSERT_TRUE(prepared) << problem;
+    running.adopt(*prepared);
+  };
+  // What CAN_DMAP says: nothing of what becomes of the image.
+  change(
+      "[mapping]\nidentifier = 0x200\nmask = 0x700\ninterval_ms = 20\n"
+      "[[mapped]]\nnumber = 7\nidentifier = 0x202\n");
+  EXPECT_EQ(running.config().writer_lost, WriterLost::zero);
+  EXPECT_FALSE(running.config().mapping.first_always);
+  EXPECT_EQ(running.config().mapping.rule.mask, 0x700u);
+  ASSERT_EQ(running.config().mapped.size(), 1u);
+  EXPECT_EQ(running.config().mapped[0].identifier, 0x202u);
+  EXPECT_EQ(running.tables(), 1u);
+  change("[mapping]\non_change = true\n");
+  EXPECT_EQ(running.config().mapped.size(), 1u) << "the table stays";
+  EXPECT_EQ(running.config().mapping.interval, std::chrono::milliseconds(20));
+  change("[filter]\nextended = true\n");
+  EXPECT_EQ(running.config().node_filter, 5);
+  EXPECT_EQ(running.tables(), 2u);
+  change("[[receive]]\nnumber = 0\nfirst = 1\n");
+  EXPECT_EQ(running.config().node_filter, 0) << "ranges take its place";
+  change("[mapping]\n");
+  EXPECT_TRUE(running.config().mapped.empty());
+  EXPECT_EQ(running.tables(), 3u);
 }
 
 TEST_F(Layer2Configuration, L33MessageObjectsAreChecked) {

@@ -5,10 +5,13 @@
 #include <array>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "daemon/desk/gateway_events.h"
+#include "daemon/layer2/gateway/frame_gateway.h"
 #include "daemon/layer2/layer2_bus.h"
 #include "dds/bounded_text.h"
 #include "layer2/client/image_writer.h"
@@ -109,10 +112,62 @@ TEST_F(Layer2Image, L56TheImageIsWrittenAsAWholeAndRead) {
       << "what a sample does not name stays";
   const SendResult refused = write_by_request(8);
   EXPECT_EQ(refused.cause, gateway_CAUSE_WRONG_STATE) << refused.reason;
-  ASSERT_EQ(writer.write(1023, two), "");  // ends after the image
+  EXPECT_NE(writer.write(1023, two), "") << "it ends after the image";
+  const auto other = program(0);
+  other->write(1023, two);
   EXPECT_EQ(journal_.wait_for("EVENT", "image_refused").size(), 1u);
   writer.give_up();
+  EXPECT_EQ(journal_.wait_for("EVENT", "image_given_up").size(), 1u);
   EXPECT_TRUE(comes_true([&] { return write_by_request(9).code == gateway_REPLY_DONE; }));
+}
+
+TEST_F(Layer2Image, NothingIsSentUntilSomebodyHasWritten) {
+  start_mapped(WriterLost::hold);
+  const auto before = image([](const auto& sample) { return sample.exchanging && sample.received > 10; });
+  EXPECT_FALSE(before.sending);
+  EXPECT_EQ(before.sent, 0u);
+  auto first = program(1);
+  first->write(0, bytes(4, 1));
+  (void)image([](const auto& sample) { return sample.outputs[3] == 4 && sample.sent > 0; });
+  // Another table, and another owner, begin with nothing that the one before has left.
+  ASSERT_EQ(
+      client_
+          ->configure("[mapping]\ninterval_ms = 20\n[[mapped]]\nnumber = 0\nidentifier = 0x201\nsize = 8\n"
+                      "output = true\n")
+          .code,
+      gateway_REPLY_DONE);
+  const auto anew = image([](const auto& sample) { return !sample.sending; });
+  EXPECT_EQ(anew.outputs[3], 0);
+  EXPECT_EQ(anew.telegrams, 1);
+  EXPECT_EQ(anew.telegram_identifier[0], 0x201u);
+  first->write(0, bytes(1, 9));
+  EXPECT_EQ(image([](const auto& sample) { return sample.sending; }).outputs[0], 9);
+  first.reset();
+  EXPECT_EQ(journal_.wait_for("EVENT", "image_writer_lost").size(), 1u);
+  EXPECT_EQ(image([](const auto&) { return true; }).outputs[0], 9) << "held";
+  auto second = program(1);
+  second->write(5, bytes(1, 7));
+  EXPECT_EQ(image([](const auto& sample) { return sample.outputs[5] == 7; }).outputs[0], 0);
+}
+
+TEST_F(Layer2Image, AMappingThatHasEndedIsGoneForThoseWhoComeLater) {
+  start_mapped(WriterLost::hold);
+  (void)image([](const auto& sample) { return sample.exchanging; });
+  ASSERT_EQ(client_->configure("[mapping]\n").code, gateway_REPLY_DONE);
+  EXPECT_TRUE(comes_true([&] { return !client_->image(milliseconds(50), true); }));
+  FrameClient late(options_for(places_));
+  EXPECT_FALSE(late.image(milliseconds(500)));
+  EXPECT_FALSE(client_->image(milliseconds(0), false));
+}
+
+TEST_F(Layer2Image, WritingByParts) {
+  start_mapped(WriterLost::hold);
+  ImageWriter writer(*client_, 1);
+  // More samples at once than the reader keeps: none of the changes is lost.
+  for (std::uint16_t i = 0; i < 40; ++i)
+    ASSERT_EQ(writer.write(static_cast<std::uint16_t>(25 * i), bytes(1, 1)), "");
+  const auto all = image([](const auto& sample) { return sample.outputs[25 * 39] == 1; });
+  for (std::size_t i = 0; i < 40; ++i) EXPECT_EQ(all.outputs[25 * i], 1) << i;
 }
 
 TEST_F(Layer2Image, L56AnOwnerKeepsTheImageUntilAStrongerOneComesOrItHasGone) {
@@ -238,6 +293,74 @@ TEST_F(Layer2Run, RunAndStopFollowAProgram) {
   RunLead equal(another, "line-control", 1);
   EXPECT_TRUE(comes_true([&] { return !equal.say(false).empty(); })) << "it is told who leads";
   EXPECT_EQ(send().code, gateway_REPLY_DONE) << "neither another name nor an equal one has a part in it";
+}
+
+/// The gateway alone: what it hands on stands in the exchange.
+class Layer2ReadOnly : public Layer2Image {
+ protected:
+  Layer2ReadOnly() {
+    file_.config.mapped = {{.identifier = 0x400, .size = 8, .output = true}};
+    file_.config.run_follows = "line-control";
+    gateway_.emplace(file_, exchange_, participant_, journal_);
+    gateway_->start();
+    client_.emplace(options_for(places_));
+  }
+  void set_read_only(bool read_only) {
+    file_.config.access.read_only = read_only;
+    gateway_->reload(file_.config);
+  }
+  /// Until the newest image that is handed on fits.
+  template <class Fits>
+  bool hands_on(const Fits& fits) {
+    return comes_true([&] {
+      (void)exchange_.outputs.read(outputs_);
+      return fits(outputs_);
+    });
+  }
+  /// The next order to run or to stop.
+  std::optional<layer2::Control> ordered() {
+    Layer2Request request;
+    if (!comes_true([&] { return exchange_.requests.try_pop(request); })) return std::nullopt;
+    return std::get<layer2::ControlOrder>(request).what;
+  }
+
+  Layer2File file_ = file_for(places_);
+  Layer2Exchange exchange_{16, 16};
+  gateway::dds::Participant participant_{places_.here};
+  std::optional<FrameGateway> gateway_;
+  OutputImage outputs_;
+};
+
+TEST_F(Layer2ReadOnly, WhoeverHasWrittenTheImageCountsAsGone) {
+  const auto writer = program(1);
+  writer->write(0, bytes(1, 10));
+  ASSERT_TRUE(hands_on([](const auto& image) { return image.sending && image.bytes[0] == 10; }));
+  set_read_only(true);
+  EXPECT_TRUE(hands_on([](const auto& image) { return !image.sending; })) << "by default it is not sent";
+  EXPECT_EQ(journal_.wait_for("EVENT", "image_writer_lost").size(), 1u);
+  writer->write(0, bytes(1, 11));
+  EXPECT_EQ(journal_.wait_for("EVENT", "image_refused").size(), 1u);
+  set_read_only(false);
+  EXPECT_TRUE(hands_on([&](const auto& image) {
+    writer->write(1, bytes(1, 12));
+    return image.sending && image.bytes[1] == 12;
+  }));
+  EXPECT_EQ(outputs_.bytes[0], 0) << "it begins anew";
+}
+
+TEST_F(Layer2ReadOnly, NoProgramLetsTheModuleRun) {
+  RunLead lead(*client_, "line-control", 1);
+  ASSERT_EQ(lead.say(true), "");
+  EXPECT_EQ(ordered(), layer2::Control::run);
+  set_read_only(true);
+  EXPECT_EQ(ordered(), layer2::Control::stop);
+  EXPECT_TRUE(comes_true([&] { return lead.say(true).empty(); }));
+  EXPECT_EQ(journal_.wait_for("EVENT", "run_lead_changed", 3).size(), 3u)
+      << "it is told that it is not heard";
+  set_read_only(false);
+  EXPECT_EQ(journal_.wait_for("EVENT", "configuration_reloaded", 2).size(), 2u);
+  ASSERT_EQ(lead.say(true), "");
+  EXPECT_EQ(ordered(), layer2::Control::run);
 }
 
 }  // namespace

@@ -58,6 +58,36 @@ std::vector<Table::Column> image_columns() {
           {"OUTPUTS", left, "bytes that are sent, hexadecimal", 47}};
 }
 
+JsonArray telegrams_left_out(const layer2_ProcessImage& image) {
+  JsonArray array;
+  for (unsigned i = 0; i < image.telegrams; ++i) {
+    if (image.telegram_left_out[i] == 0) continue;
+    JsonObject one;
+    one.add("identifier", image.telegram_identifier[i]).add("times", image.telegram_left_out[i]);
+    array.add_json(one.text());
+  }
+  return array;
+}
+
+/// Whether telegrams are sent, and why not.
+std::string_view sending_text(const layer2_ProcessImage& image) {
+  if (!image.exchanging) return "in stop";
+  if (image.sending) return "they are exchanged";
+  return "none is sent until a program or a request writes the image";
+}
+
+/// What of the telegrams was lost; empty: none.
+std::string losses_text(const layer2_ProcessImage& image) {
+  std::string text;
+  if (image.dropped != 0) text += fmt::format("; {} came that nothing is mapped for", image.dropped);
+  if (image.left_out != 0) text += fmt::format("; {} left out: no room on the bus", image.left_out);
+  for (unsigned i = 0; i < image.telegrams; ++i) {
+    if (image.telegram_left_out[i] != 0)
+      text += fmt::format(", {} of them 0x{:X}", image.telegram_left_out[i], image.telegram_identifier[i]);
+  }
+  return text;
+}
+
 void write_image(Session& session, const layer2_ProcessImage& image) {
   const std::span inputs(image.inputs);
   const std::span outputs(image.outputs);
@@ -70,6 +100,8 @@ void write_image(Session& session, const layer2_ProcessImage& image) {
         .add("received", image.received)
         .add("dropped", image.dropped)
         .add("sent", image.sent)
+        .add("left_out", image.left_out)
+        .add("telegrams_left_out", telegrams_left_out(image))
         .add("inputs", hex(inputs, ""))
         .add("outputs", hex(outputs, ""));
     session.output().object(object);
@@ -87,10 +119,8 @@ void write_image(Session& session, const layer2_ProcessImage& image) {
   session.output().table(table);
   const std::string_view writer = std::string_view(image.writer);
   session.output().remark(fmt::format(
-      "{} came, {} sent; {}{}", text::counted(image.received, "telegram"), image.sent,
-      image.exchanging ? (image.sending ? "they are exchanged" : "none is sent: its writer is gone")
-                       : "in stop",
-      writer.empty() ? std::string() : fmt::format("; written by {}", writer)));
+      "{} came, {} sent; {}{}{}", text::counted(image.received, "telegram"), image.sent, sending_text(image),
+      writer.empty() ? std::string() : fmt::format("; written by {}", writer), losses_text(image)));
 }
 
 layer2_ProcessImage image_of(FrameClient& client, milliseconds time) {
@@ -140,7 +170,7 @@ std::vector<std::uint8_t> parse_image_bytes(const std::vector<std::string>& text
   return bytes;
 }
 
-/// As owner: until Ctrl-C, or until the daemon shows the bytes. The reply is made of what it shows.
+/// As owner, until Ctrl-C. The reply is made of what the daemon shows.
 SendResult write_as_owner(Session& session, FrameClient& client, const ImageTexts& texts,
                           std::uint16_t address, const std::vector<std::uint8_t>& bytes) {
   const std::int64_t strength =
@@ -158,7 +188,7 @@ SendResult write_as_owner(Session& session, FrameClient& client, const ImageText
     result.code = gateway_REPLY_DONE;
     result.reason.clear();
   }
-  if (result.code != gateway_REPLY_DONE || !texts.hold) return result;
+  if (result.code != gateway_REPLY_DONE) return result;
   session.output().remark("the image is held until Ctrl-C");
   while (!interrupt_flag().load() && client.daemon_present()) (void)client.image(milliseconds(200), true);
   return result;
@@ -180,11 +210,15 @@ ExitCode write_bytes(Session& session, const ImageTexts& texts) {
   if (address + bytes.size() > kImage)
     throw UsageError(fmt::format("BYTES: {} from {} on: end after the image; allowed: {}",
                                  text::counted(bytes.size(), "byte"), address, kImage - address));
+  if (!texts.hold && bytes.size() > kRequest)
+    throw UsageError(
+        fmt::format("BYTES: found {}; allowed: {} at once, or more with --hold, as the image's owner",
+                    text::counted(bytes.size(), "byte"), kRequest));
+  if (!texts.hold && !texts.strength.empty()) throw UsageError("--strength: only with --hold");
   FrameClient client = connect_bus<FrameClient>(session);
   (void)image_of(client, session.search_time());
-  const bool owns = texts.hold || !texts.strength.empty() || bytes.size() > kRequest;
-  const SendResult result = owns ? write_as_owner(session, client, texts, address, bytes)
-                                 : write_by_request(client, address, bytes);
+  const SendResult result = texts.hold ? write_as_owner(session, client, texts, address, bytes)
+                                       : write_by_request(client, address, bytes);
   JsonObject object;
   object.add("address", address).add("bytes", hex(bytes, ""));
   return session.finish(reply_of(result), object, "image", text::counted(bytes.size(), "byte") + " written");
@@ -251,11 +285,12 @@ void add_image_verb(CLI::App& can, Verb& chosen) {
                   "write: own the image until Ctrl-C; nobody else writes it meanwhile");
   image
       ->add_option("--strength", texts->strength,
-                   "write: as its owner, against others of less strength (0 and more; default 0)")
+                   "write --hold: against others of less strength (0 and more; default 0)")
       ->type_name("N");
   image->footer(
-      "Of a bus with bus.protocol = \"layer2\" and [[mapped]] sections. More than 64 bytes are written as the image's "
-      "owner,\nwhich is given up afterwards.\n" +
+      "Of a bus with bus.protocol = \"layer2\" and [[mapped]] sections. Up to 64 bytes stay written until a program "
+      "writes the\nimage; with --hold, up to 1024 are written as its owner, and afterwards mapping.writer_lost says "
+      "what becomes of it.\n" +
       columns_help(image_columns()));
   run_when_named(*image, chosen, texts, image_verb);
 }

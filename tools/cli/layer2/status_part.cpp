@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include "cli/connect/bus_verb.h"
 #include "layer2/client/frame_client.h"
@@ -19,8 +21,15 @@ layer2_FrameStatus frame_status(Session& session) {
 
 std::vector<Explained> lines_of_frames(Session& session) {
   const layer2_FrameStatus status = frame_status(session);
-  return {{"frames received", fmt::format("{} of others, {} taken by a range, {} of them not published",
-                                          status.received, status.taken, status.lost)},
+  std::string received = fmt::format("{} of others, {} taken by a range, {} of them not published",
+                                     status.received, status.taken, status.lost);
+  if (status.taken_by_objects != 0)
+    received += fmt::format(", {} by message objects", status.taken_by_objects);
+  if (status.taken_by_mapping != 0)
+    received += fmt::format(", {} by the process image", status.taken_by_mapping);
+  if (status.dropped_by_mapping != 0)
+    received += fmt::format(", {} dropped, for nothing is mapped for them", status.dropped_by_mapping);
+  return {{"frames received", std::move(received)},
           {"frames sent", fmt::format("{}; {} not seen on the bus, {} not sent, {} waiting", status.sent,
                                       status.unanswered, status.not_sent, status.waiting)},
           {"bus load", fmt::format("{:.1f} %", status.bus_load / 10.0)},

@@ -1,6 +1,9 @@
 #include "client/src/layer2/frame_side.h"
 
 #include <algorithm>
+#include <chrono>
+#include <exception>
+#include <thread>
 #include <utility>
 
 #include "client/src/connect_options.h"
@@ -16,6 +19,11 @@ constexpr unsigned kMappingObject = 28;
 constexpr std::int16_t kReceiveObject = 30;
 constexpr std::int16_t kSendObject = 31;
 
+using std::chrono::steady_clock;
+
+/// How long the end of a program waits for the end of its mapping.
+constexpr std::chrono::milliseconds kFarewell{500};
+
 bool half_full(std::uint32_t waiting, std::uint32_t depth) {
   return depth != 0 && 2 * waiting >= depth;
 }
@@ -29,6 +37,20 @@ FrameSide::FrameSide(const Options& options)
   if (!client_.status(first_status_wait(options)))
     throw NoDaemon("the daemon tells nothing of its frames (" + client_.place() + ")");
   client_.wait_for_objects();
+}
+
+FrameSide::~FrameSide() {
+  if (!mapped_ || !client_.daemon_present()) return;
+  try {
+    bool over = false;
+    (void)map(
+        {.toml = std::string(kNoMapping), .entries = false, .ended = [&](const Result&) { over = true; }});
+    for (const auto end = steady_clock::now() + kFarewell; !over && steady_clock::now() < end;) {
+      look();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  } catch (const std::exception&) {  // the image is given up all the same, as when a program dies
+  }
 }
 
 void FrameSide::look() {
@@ -142,7 +164,7 @@ void FrameSide::begin_anew(const Beginning& beginning) {
   beginning_ = beginning;
   basic_.remove();
   objects_.take_back();
-  if (mapped_) (void)map({.toml = "[mapping]\n", .entries = false, .ended = [](const Result&) {}});
+  if (mapped_) (void)map({.toml = std::string(kNoMapping), .entries = false, .ended = [](const Result&) {}});
 }
 
 void FrameSide::interrupt_of_object(unsigned number, bool transmit) const {

@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -33,6 +34,10 @@ class FrameSide {
 
   /// Waits for the daemon and its first status. Throws as FrameConnection::connect.
   explicit FrameSide(const Options& options);
+  /// Ends the mapping that the program has set up; waits for the daemon's answer, 0.5 s at most.
+  ~FrameSide();
+  FrameSide(const FrameSide&) = delete;
+  FrameSide& operator=(const FrameSide&) = delete;
 
   /// Takes what has come, and hands on what waits. Never waits for an answer.
   void look();
@@ -104,6 +109,9 @@ class FrameSide {
   void set_routine(int number, std::function<void(const Interrupt&)> routine);
 
  private:
+  /// As [mapping] with nothing in it.
+  static constexpr std::string_view kNoMapping = "[mapping]\n";
+
   void note(const layer2_FrameBatch& batch);
   void hand_over();
   bool begin(const can::Frame& frame, const layer2::client::SendChoice& choice, Ended ended);
