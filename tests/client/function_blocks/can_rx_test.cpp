@@ -18,6 +18,13 @@ class CanRx : public DirectAccess {
     ASSERT_TRUE(asked(1));
     answer(0, gateway_REPLY_DONE);
   }
+  /// The reply to a request takes a frame out of the object.
+  void fetched(std::size_t which, std::uint8_t first, std::int64_t time) {
+    daemon->reply(daemon->objects.at(which), {.code = gateway_REPLY_DONE,
+                                              .time = time,
+                                              .fresh = true,
+                                              .content = FakeFrameDaemon::frame(0x1A5, {first}).received});
+  }
   bool comes() {
     return call_until(receive, [&] { return BOOL{receive.NDR}; });
   }
@@ -121,6 +128,29 @@ TEST_F(CanRx, L42ARemoteFrameWithEachReleaseOfAnRtrObject) {
   full(1, 9);
   ASSERT_TRUE(comes()) << "that it asks already is no error";
   EXPECT_EQ(receive.Status, can_status::done);
+}
+
+// A cycle that is faster than the daemon tells of its objects: the answer is brought by the next request for it.
+TEST_F(CanRx, L42AnAnswerThatAReplyBringsIsDataOnce) {
+  receive.ReleaseRx = receive.RTR = true;
+  receive.call();
+  ASSERT_TRUE(asked(1));
+  answer(0, gateway_REPLY_DONE);
+  ASSERT_TRUE(call_until(receive, [&] { return daemon->objects.size() == 2; }));
+  fetched(1, 0x33, 100);
+  ASSERT_TRUE(comes());
+  EXPECT_EQ(target[0], 0x33);
+  full(1, 0x33, false, 100);  // told late
+  ASSERT_TRUE(asked(3));
+  daemon->reply(daemon->objects[2], {.code = gateway_REPLY_DONE});
+  full(2, 0x44, false, 200);
+  ASSERT_TRUE(comes());
+  EXPECT_EQ(target[0], 0x44) << "each once";
+  // The request that is to fetch this one finds the next in its place.
+  ASSERT_TRUE(asked(4));
+  fetched(3, 0x55, 300);
+  ASSERT_TRUE(comes());
+  EXPECT_EQ(target[0], 0x55);
 }
 
 // "An open object cannot be released with other settings before it received something".

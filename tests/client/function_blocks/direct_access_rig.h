@@ -63,10 +63,11 @@ class DirectAccess : public FrameBlockTest {
     daemon->reply(daemon->objects.at(which), {.code = code, .cause = cause});
   }
   /// As the daemon tells of the object that receives.
-  void full(std::uint64_t number, std::uint8_t first, bool overrun = false) {
+  void full(std::uint64_t number, std::uint8_t first, bool overrun = false, std::int64_t time = 0) {
     layer2_ObjectStatus status = {.number = kReceives, .configured = true, .full = true, .overrun = overrun};
     status.content = FakeFrameDaemon::frame(0x1A5, {first, 2, 3}).received;
     status.received = number;
+    status.time = time;
     daemon->tell(status);
   }
   /// As the daemon tells of the object that sends.

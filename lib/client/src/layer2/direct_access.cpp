@@ -68,6 +68,7 @@ bool DirectAccess::configure(std::span<const layer2_ObjectSettings> settings,
     object = {.configured = true, .setting_up = true, .set_up = set_up, .settings = one, .newest = newest};
     object.base = newest.sent;
     object.taken = newest.received;
+    object.taken_time = newest.time;
   }
   return true;
 }
@@ -249,6 +250,8 @@ void DirectAccess::note_received(unsigned number) {
   }
   if (object.waiting || newest.received <= object.taken) return;
   object.taken = newest.received;
+  // A reply has brought it before.
+  if (newest.time != 0 && std::exchange(object.taken_time, newest.time) == newest.time) return;
   object.waiting = layer2::dds::to_core(newest.content);
   object.overrun = object.overrun || newest.overrun;
   if (object.settings.tell) on_frame_(number, false);
@@ -298,13 +301,24 @@ void DirectAccess::push_read(unsigned number) {
   if (object.reading) object.wanted.reset();
 }
 
+/// The frame that a request took out of the daemon, when nobody has told of it before.
+void DirectAccess::take_fetched(unsigned number, const Result& result) {
+  Object& object = objects_[number];
+  if (!result.fresh || object.waiting || result.sent_time == 0 || result.sent_time == object.taken_time)
+    return;
+  object.taken_time = result.sent_time;
+  object.waiting = result.content;
+  object.overrun = object.overrun || result.overrun;
+  if (object.settings.tell) on_frame_(number, false);
+}
+
 void DirectAccess::was_read(unsigned number, const WantedRead& wanted, const Result& result) {
   Object& object = objects_[number];
   object.reading = false;
   if (result.replied && result.code == gateway_REPLY_DONE) {
     // Told with the frame that comes next: the one that was fetched is given already.
     object.overrun = object.overrun || (wanted.fetches && result.overrun && !wanted.overrun_told);
-    return;
+    return take_fetched(number, result);
   }
   const bool asks_already = result.replied && result.cause == gateway_CAUSE_QUEUE_FULL;
   if (asks_already) {

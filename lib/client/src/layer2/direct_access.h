@@ -107,7 +107,8 @@ class DirectAccess {
     bool asked = false;    ///< it was released for the answer to a remote frame
     bool reading = false;  ///< a request is open
     std::optional<WantedRead> wanted;
-    std::uint64_t taken = 0;  ///< frames received before the one that waits
+    std::uint64_t taken = 0;      ///< frames received before the one that waits
+    std::int64_t taken_time = 0;  ///< CLOCK_REALTIME of the frame that waits, or was given last; 0: not known
     std::optional<can::Frame> waiting;
     bool overrun = false;
     std::optional<JobStatus> problem;  ///< to be told
@@ -117,6 +118,7 @@ class DirectAccess {
   void note_answers(unsigned number);
   void note_end_of_held(Object& object);
   void note_received(unsigned number);
+  void take_fetched(unsigned number, const Result& result);
   void was_set_up(std::uint64_t number, const Result& result);
   void push_job(unsigned number);
   void sent(unsigned number, std::uint64_t generation, const Result& result);
