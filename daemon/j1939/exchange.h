@@ -39,7 +39,7 @@ struct MessageDone {
   can::Time sent_time{0};                         ///< done: CLOCK_REALTIME
 };
 
-/// A message that a range takes. Over 8 bytes its data are the next entries of `long_data`, as many as
+/// A message that a range takes, or that tells of faults. Over 8 bytes its data are the next entries of `long_data`, as many as
 /// `pieces_of` says.
 struct MessageReport {
   j1939::Pgn number = 0;
@@ -47,7 +47,8 @@ struct MessageReport {
   std::uint8_t source = 0;
   std::uint8_t destination = 0;
   j1939::Transport transport = j1939::Transport::frame;
-  std::uint8_t range = 0;     ///< position of the range
+  bool taken = true;          ///< by a range
+  std::uint8_t range = 0;     ///< its position
   std::uint32_t size = 0;     ///< bytes
   can::Time receive_time{0};  ///< CLOCK_REALTIME of the last bit
   std::array<std::uint8_t, 8> data = {};
@@ -78,6 +79,7 @@ struct NodeSnapshot {
   j1939::NodeCounters counters;
   j1939::ReceiverCounters packets;
   std::uint64_t answers_lost = 0;
+  std::uint64_t groups_left_out = 0;
   std::uint64_t lost = 0;        ///< messages that had no room in `messages` or `long_data`
   std::uint32_t waiting = 0;     ///< orders that wait to be handed over
   std::uint32_t transports = 0;  ///< messages in packets under way

@@ -98,6 +98,7 @@ inline constexpr EventKind kEventKinds[] = {
     {"image_writer_began", "ad7a65f46571406cb9d88a62e21cd8a1"},
     {"image_writer_lost", "73d268bfd1544e7a8cf924f7511304a5"},
     {"image_given_up", "9f349c93260c4a62b6a98f3785cdf81b"},
+    {"image_begins_anew", "d3332c207abe4867b4d67bd3c075b8c5"},
     {"image_refused", "b46cfbee661c48c5b7294e9ef650da08"},
     {"telegrams_left_out", "e823bef700d34b839d11b98c5ba103b0"},
     {"telegrams_left_out_over", "ca47e9944b224f7aaa7480ce786de2c9"},
@@ -133,6 +134,8 @@ inline constexpr EventKind kEventKinds[] = {
     {"address_unavailable", "d37a36c542134ca181f3a1ad0d07cc55"},
     {"fault_appeared", "c6522638f1e741d5a9f5fc5d182398eb"},
     {"fault_gone", "2e430107b41240dbbbb09fb790bd0269"},
+    {"groups_left_out", "1dd48f8bec92426386ca1ac145ae44fb"},
+    {"groups_left_out_over", "8df79d1e71be4b57ae6302776c241fa5"},
     // the SYNC line
     {"sync_locked", "86e259bf84e64b57bc128dc78254224c"},
     {"sync_holdover", "cb029114c4e841078425f2260366f358"},

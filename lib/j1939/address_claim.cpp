@@ -33,8 +33,8 @@ can::Frame request_for_all() noexcept {
 
 void AddressClaim::start(Time now) noexcept {
   now_ = now;
+  if (!settings_.preferred) return;  // who listens sends nothing
   ask_ = true;
-  if (!settings_.preferred) return;
   name_twice_ = false;
   claim(address_ <= 253 ? address_ : *settings_.preferred);
   if (settings_.ask_time <= Time{0}) return;

@@ -31,8 +31,10 @@ inline constexpr Pgn kTransportControl = 0x0EC00;
 inline constexpr Pgn kAddressClaimed = 0x0EE00;
 inline constexpr Pgn kExtendedTransportData = 0x0C700;
 inline constexpr Pgn kExtendedTransportControl = 0x0C800;
-inline constexpr Pgn kActiveFaults = 0x0FECA;    ///< DM1
-inline constexpr Pgn kPreviousFaults = 0x0FECB;  ///< DM2
+inline constexpr Pgn kActiveFaults = 0x0FECA;         ///< DM1
+inline constexpr Pgn kPreviousFaults = 0x0FECB;       ///< DM2
+inline constexpr Pgn kErasePreviousFaults = 0x0FECC;  ///< DM3: who is asked for it erases them
+inline constexpr Pgn kEraseActiveFaults = 0x0FED3;    ///< DM11: likewise
 inline constexpr Pgn kCommandedAddress = 0x0FED8;
 }  // namespace pgn
 

@@ -10,6 +10,10 @@ namespace {
 /// The highest control byte of an acknowledgement (PGN 59392): cannot respond now.
 constexpr std::uint8_t kLastAcknowledgement = 3;
 
+constexpr bool tells_of_faults(Pgn number) noexcept {
+  return number == pgn::kActiveFaults || number == pgn::kPreviousFaults;
+}
+
 constexpr Pgn pgn_at(std::span<const std::uint8_t> data, std::size_t at) noexcept {
   return Pgn{data[at]} | Pgn{data[at + 1]} << 8 | Pgn{data[at + 2]} << 16;
 }
@@ -68,8 +72,8 @@ std::optional<Node::Delivery> Node::receive_frame(const can::Frame& frame, const
 }
 
 bool Node::wanted(Pgn number, Address source) const noexcept {
-  return number == pgn::kCommandedAddress || settings_.filter.match(number, source) ||
-         outbox_.requested().waits_for(number, source);
+  return number == pgn::kCommandedAddress || tells_of_faults(number) ||
+         settings_.filter.match(number, source) || outbox_.requested().waits_for(number, source);
 }
 
 void Node::transport_control(const can::Frame& frame, const Identifier& from, Time end) noexcept {
@@ -140,9 +144,9 @@ std::optional<Node::Delivery> Node::deliver(const Message& message) noexcept {
       message.destination == kGlobalAddress || message.destination == claim_.wanted().value_or(kNullAddress);
   if (for_us) take(message);
   const auto range = settings_.filter.match(message.number, message.source);
-  if (!range) return std::nullopt;
-  if (for_us) ++counters_.taken;
-  return Delivery{message, *range};
+  if (!range && !(for_us && tells_of_faults(message.number))) return std::nullopt;
+  if (range && for_us) ++counters_.taken;
+  return Delivery{message, range};
 }
 
 void Node::take(const Message& message) noexcept {

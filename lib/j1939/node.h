@@ -39,7 +39,7 @@ class Node {
   /// A message for whoever uses the node.
   struct Delivery {
     Message message;
-    std::uint8_t range = 0;  ///< position of the range that takes it
+    std::optional<std::uint8_t> range;  ///< position of the range that takes it; nothing: it tells of faults
   };
 
   /// A `queue` outside its range counts as the nearest inside. May allocate.
@@ -51,7 +51,7 @@ class Node {
   void start(Time now) noexcept;
 
   /// A frame of another node stood on the bus until `end`. The message that it completes, when a range takes
-  /// it; its data stay until the next call of `receive`.
+  /// it or it tells of faults; its data stay until the next call of `receive`.
   std::optional<Delivery> receive(const can::Frame& frame, Time end) noexcept;
 
   /// Takes an order, which is then answered exactly once (`take_answer`), or says why not.
@@ -96,8 +96,10 @@ class Node {
   std::size_t handed_over_count() const noexcept { return outbox_.handed_over_count(); }
   /// Messages in packets that are under way, in both directions.
   std::size_t transports() const noexcept { return receiver_.open() + outbox_.packets().open(); }
-  /// Short answers of the node itself for which there was no room.
-  std::uint64_t answers_lost() const noexcept { return replies_.lost(); }
+  /// Answers of the node itself for which there was no room.
+  std::uint64_t answers_lost() const noexcept { return replies_.lost() + provider_.unanswered(); }
+  /// Times that a group with a period was due and left out.
+  std::uint64_t groups_left_out() const noexcept { return provider_.left_out(); }
 
  private:
   std::optional<Delivery> receive_frame(const can::Frame& frame, const Identifier& from, Time end) noexcept;

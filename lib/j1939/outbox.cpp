@@ -212,31 +212,59 @@ void Outbox::echoes_lost() noexcept {
   follow_packets();
 }
 
-bool Outbox::send_own(Pgn number, std::uint8_t priority, Address to,
-                      std::span<const std::uint8_t> data) noexcept {
-  if (sending_.full() || !sender_.has_room(to)) return false;
-  const std::uint64_t id = ++jobs_;
-  sender_.begin({id, number, priority, *claim_.address(), to, data}, now_);
-  sending_.push({{{}, now_ + kLongestAnswer}, id, true});
-  return true;
+Outbox::OwnMessage Outbox::send_own(Pgn number, std::uint8_t priority, Address to,
+                                    std::span<const std::uint8_t> data) noexcept {
+  for (std::size_t i = 0; i < own_waiting_.size(); ++i) {
+    if (own_waiting_[i].number == number && own_waiting_[i].to == to) return OwnMessage::waiting;
+  }
+  if (own_waiting_.full()) return OwnMessage::full;
+  own_waiting_.push({number, priority, to, data});
+  begin_sessions();
+  return OwnMessage::taken;
 }
 
-/// Long messages for which there is room now.
+/// The first own message for which there is room; behind the last one: none.
+std::size_t Outbox::next_own() const noexcept {
+  std::size_t i = 0;
+  while (i < own_waiting_.size() && !sender_.has_room(own_waiting_[i].to)) ++i;
+  return i;
+}
+
+/// The first order of several packets for which there is room; behind the last one: none.
+std::size_t Outbox::next_order() const noexcept {
+  std::size_t i = 0;
+  while (i < waiting_.size() &&
+         !(is_long(waiting_[i].order) && sender_.has_room(waiting_[i].order.destination)))
+    ++i;
+  return i;
+}
+
+/// Long messages for which there is room now; own ones and orders take turns.
 void Outbox::begin_sessions() noexcept {
   const auto address = claim_.address();
   if (!address) return;
-  for (std::size_t i = 0; i < waiting_.size() && !sending_.full();) {
-    const OpenOrder open = waiting_[i];
-    if (!is_long(open.order) || !sender_.has_room(open.order.destination)) {
-      ++i;
-      continue;
-    }
+  while (!sending_.full()) {
+    const std::size_t own = next_own();
+    const std::size_t order = next_order();
+    const bool has_own = own < own_waiting_.size();
+    const bool has_order = order < waiting_.size();
+    if (!has_own && !has_order) return;
     const std::uint64_t id = ++jobs_;
-    sender_.begin(
-        {id, open.order.number, open.order.priority, *address, open.order.destination, open.order.memory},
-        now_);
-    sending_.push({open, id, false});
-    waiting_.erase(i);
+    if (has_order && (orders_turn_ || !has_own)) {
+      const OpenOrder open = waiting_[order];
+      sender_.begin(
+          {id, open.order.number, open.order.priority, *address, open.order.destination, open.order.memory},
+          now_);
+      sending_.push({open, id, false});
+      waiting_.erase(order);
+      orders_turn_ = false;
+    } else {
+      const Own message = own_waiting_[own];
+      sender_.begin({id, message.number, message.priority, *address, message.to, message.data}, now_);
+      sending_.push({{{}, now_ + kLongestAnswer}, id, true});
+      own_waiting_.erase(own);
+      orders_turn_ = true;
+    }
   }
 }
 
@@ -260,11 +288,13 @@ void Outbox::follow_packets() noexcept {
 void Outbox::controller_emptied() noexcept {
   end_handed_over(JobEnd::unanswered);
   offer_.reset();
+  own_waiting_ = {};
   sender_.drop();
 }
 
 void Outbox::address_changed() noexcept {
   offer_.reset();
+  own_waiting_ = {};
   requested_.end_all(JobEnd::lost);
   end_sending(JobEnd::lost);
   (void)sender_.take_ended();
@@ -337,6 +367,7 @@ Time Outbox::next_deadline() const noexcept {
 
 void Outbox::stop() noexcept {
   stopped_ = true;
+  own_waiting_ = {};
   end_handed_over(JobEnd::stopped);
   end_sending(JobEnd::stopped);
   requested_.end_all(JobEnd::stopped);

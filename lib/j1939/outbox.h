@@ -52,9 +52,16 @@ class Outbox {
   /// Takes no more orders, and ends those that are open.
   void stop() noexcept;
 
-  /// Begins the node's own message in packets, whose end nobody hears of. False: too many are under way. The
-  /// data stay where they are. Only while an address is held.
-  bool send_own(Pgn number, std::uint8_t priority, Address to, std::span<const std::uint8_t> data) noexcept;
+  /// What becomes of the node's own message in packets.
+  enum class OwnMessage : std::uint8_t {
+    taken,    ///< it begins as soon as there is room, in turn with orders
+    waiting,  ///< the same one waits already
+    full,     ///< too many others wait
+  };
+  /// Sends the node's own message in packets, whose end nobody hears of. The data stay where they are. Only while an
+  /// address is held.
+  OwnMessage send_own(Pgn number, std::uint8_t priority, Address to,
+                      std::span<const std::uint8_t> data) noexcept;
   /// Whatever was handed over is gone; no message in packets goes on.
   void controller_emptied() noexcept;
   /// What was begun with an address that the node has no longer ends.
@@ -103,6 +110,14 @@ class Outbox {
     bool answered = false;   ///< of an order: its echo was missed
     bool overtaken = false;  ///< a later frame was seen on the bus, or its echo may be lost
   };
+  /// Of the node, and begun as soon as there is room.
+  struct Own {
+    Pgn number = 0;
+    std::uint8_t priority = 6;
+    Address to = 0;
+    std::span<const std::uint8_t> data;
+  };
+  static constexpr std::size_t kMostOwn = 64;
   struct Sending {
     OpenOrder open;
     std::uint64_t id = 0;   ///< of the job
@@ -112,6 +127,8 @@ class Outbox {
   std::size_t open() const noexcept;
   bool has_room(const Order& order) const noexcept;
   void begin_sessions() noexcept;
+  std::size_t next_own() const noexcept;
+  std::size_t next_order() const noexcept;
   void seen(const HandedOver& entry, Time end_of_frame) noexcept;
   void unseen(const HandedOver& entry) noexcept;
   void overtake(std::size_t count) noexcept;
@@ -133,7 +150,9 @@ class Outbox {
   can::BoundedList<OpenOrder, kMostMessages + kMostRequests> waiting_;
   can::BoundedList<HandedOver, kMostHandedOver> handed_over_;
   can::BoundedList<Sending, TransportSender::kSessions> sending_;
-  std::uint64_t jobs_ = 0;  ///< of the sender, so far
+  can::BoundedList<Own, kMostOwn> own_waiting_;
+  bool orders_turn_ = false;  ///< of an own message and an order that may begin, the order does
+  std::uint64_t jobs_ = 0;    ///< of the sender, so far
   std::optional<Offer> offer_;
   Obstacle obstacle_ = Obstacle::none;
   Time now_{};

@@ -28,13 +28,13 @@ void Provider::requested(const Message& request, Pgn number) noexcept {
   if (found == provided_.end()) return acknowledge(request, number, kNegative);
   if (found->data.empty()) return;
   const bool for_all = request.destination == kGlobalAddress;
-  if (!send(*found, for_all ? kGlobalAddress : request.source, false))
-    acknowledge(request, number, kCannotRespond);
+  if (send(*found, for_all ? kGlobalAddress : request.source, false) != Outbox::OwnMessage::full) return;
+  unanswered_ += for_all;
+  acknowledge(request, number, kCannotRespond);
 }
 
-/// False: too many messages in packets are under way. `by_itself`: while the one before waits, another is
-/// not sent.
-bool Provider::send(const Provided& provided, Address to, bool by_itself) noexcept {
+/// `by_itself`: while the one before waits, another is not sent.
+Outbox::OwnMessage Provider::send(const Provided& provided, Address to, bool by_itself) noexcept {
   if (provided.data.size() > 8)
     return outbox_.send_own(provided.number, provided.priority, to, provided.data);
   can::Frame frame;
@@ -42,8 +42,9 @@ bool Provider::send(const Provided& provided, Address to, bool by_itself) noexce
   frame.id = compose(identifier_of(provided.number, provided.priority, to, *claim_.address()));
   frame.dlc = static_cast<std::uint8_t>(provided.data.size());
   std::copy(provided.data.begin(), provided.data.end(), frame.data.begin());
-  if (!by_itself || !replies_.has(frame.id)) replies_.push(frame);
-  return true;
+  if (by_itself && replies_.has(frame.id)) return Outbox::OwnMessage::waiting;
+  replies_.push(frame);
+  return Outbox::OwnMessage::taken;
 }
 
 void Provider::advance(Time now) noexcept {
@@ -57,7 +58,7 @@ void Provider::advance(Time now) noexcept {
     }
     if (due == Time::max()) due = now;
     if (due > now) continue;
-    (void)send(provided, kGlobalAddress, true);
+    left_out_ += send(provided, kGlobalAddress, true) != Outbox::OwnMessage::taken;
     due += ((now - due) / provided.period + 1) * provided.period;
   }
 }

@@ -19,7 +19,8 @@ struct Provided {
       0};  ///< between two times that it is sent to all, while an address is held; 0: on request alone
 };
 
-/// The groups that a node provides: answers requests for them, and sends those with a period by itself.
+/// The groups that a node provides: answers requests for them, and sends those with a period by itself. What has no
+/// room waits for it, each group once for each that it is for.
 /// Realtime safe after its construction, which allocates; one thread.
 class Provider {
  public:
@@ -28,16 +29,20 @@ class Provider {
 
   /// A request for `number` came: it is answered, or refused when it is no group of these.
   void requested(const Message& request, Pgn number) noexcept;
-  /// It is `now`: sends what is due. What went by while no address was held, or the group was on its way
-  /// still, is left out.
+  /// It is `now`: sends what is due. What went by while no address was held is left out, and so is a group whose
+  /// message of before waits still.
   void advance(Time now) noexcept;
   /// When `advance` must be called at the latest, as of `now`; Time::max(): no time is waited for.
   Time next_deadline(Time now) const noexcept;
   /// Nothing more is sent by itself.
   void stop() noexcept { stopped_ = true; }
+  /// Times that a group was due and left out, because that of before waited still or there was no room.
+  std::uint64_t left_out() const noexcept { return left_out_; }
+  /// Requests of a node to all that had to stay without an answer: too many others waited.
+  std::uint64_t unanswered() const noexcept { return unanswered_; }
 
  private:
-  bool send(const Provided& provided, Address to, bool by_itself) noexcept;
+  Outbox::OwnMessage send(const Provided& provided, Address to, bool by_itself) noexcept;
   void acknowledge(const Message& request, Pgn number, std::uint8_t control) noexcept;
 
   std::vector<Provided> provided_;
@@ -45,6 +50,8 @@ class Provider {
   const AddressClaim& claim_;
   FrameQueue& replies_;
   Outbox& outbox_;
+  std::uint64_t left_out_ = 0;
+  std::uint64_t unanswered_ = 0;
   bool stopped_ = false;
 };
 

@@ -36,6 +36,7 @@ inline std::vector<std::uint8_t> counting(std::size_t size) {
 struct Got {
   Message message;
   std::vector<std::uint8_t> data;
+  static constexpr std::uint8_t kNoRange = 0xFF;
   std::uint8_t range = 0;
 };
 
@@ -100,8 +101,9 @@ class NodeRig {
   std::vector<can::Frame> hear(const can::Frame& heard) {
     node.advance(now);
     if (const auto delivery = node.receive(heard, now)) {
-      Got got{
-          delivery->message, {delivery->message.data.begin(), delivery->message.data.end()}, delivery->range};
+      Got got{delivery->message,
+              {delivery->message.data.begin(), delivery->message.data.end()},
+              delivery->range.value_or(Got::kNoRange)};
       got.message.data = {};
       messages.push_back(std::move(got));
     }

@@ -57,6 +57,71 @@ TEST(Periodic, J13AMessageInPacketsIsABroadcast) {
   EXPECT_EQ(of(sent, 0x18EBFF80).size(), 9u) << "of three packets each";
 }
 
+TEST(Periodic, LongGroupsOfOnePeriodAreSentOneAfterTheOther) {
+  NodeSettings all = settings_at(kOwn);
+  all.provided = {{0xFEEB, 6, counting(10), milliseconds(1000)},
+                  {0xFEDA, 6, counting(12), milliseconds(1000)}};
+  NodeRig rig(all);
+  std::size_t first = 0;
+  std::size_t second = 0;
+  for (const can::Frame& one : of(rig.run(milliseconds(10'500)), 0x18ECFF80)) {
+    first += one.data[5] == 0xEB;
+    second += one.data[5] == 0xDA;
+  }
+  EXPECT_EQ(first, 11u);
+  EXPECT_EQ(second, 11u);
+  EXPECT_EQ(rig.node.groups_left_out(), 0u);
+}
+
+// 1785 bytes take 12.8 s.
+TEST(Periodic, WhatTheGroupBeforeLeavesNoRoomForIsCounted) {
+  NodeSettings all = settings_at(kOwn);
+  all.provided = {{0xFEEB, 6, counting(1785), milliseconds(1000)}};
+  NodeRig rig(all);
+  EXPECT_EQ(of(rig.run(milliseconds(20'000)), 0x18ECFF80).size(), 2u);
+  EXPECT_EQ(rig.node.groups_left_out(), 17u) << "two were begun and one waits, of 20";
+}
+
+TEST(Periodic, ClientsWhoAlwaysBroadcastLeaveItsTurnToAGroup) {
+  NodeSettings all = settings_at(kOwn);
+  all.provided = {{0xFEEB, 6, counting(10), milliseconds(1000)}};
+  NodeRig rig(all);
+  rig.claimed();
+  std::vector<std::uint8_t> data = counting(100);
+  std::size_t groups = 0;
+  std::size_t orders = 0;
+  for (OrderId id = 1; id <= 30; ++id) {
+    const Order order{.id = id, .number = 0xFEF1, .timeout = std::chrono::seconds(60), .memory = data};
+    ASSERT_EQ(rig.node.submit(order, rig.now), Refusal::none);
+    for (const can::Frame& one : of(rig.run(milliseconds(500)), 0x18ECFF80)) groups += one.data[5] == 0xEB;
+    orders += rig.answers().size();
+  }
+  EXPECT_GE(groups, 8u) << "once between two of the client's, of 0.85 s each";
+  EXPECT_GE(orders, 8u);
+}
+
+// J1939-21: a node sends its broadcasts one after the other.
+TEST(Periodic, TwoLongGroupsThatAreAskedForAtOnceAreBothAnswered) {
+  NodeSettings all = settings_at(kOwn);
+  all.provided = {{0xFEEB, 6, counting(20)}, {0xFEDA, 6, counting(12)}};
+  NodeRig rig(all);
+  rig.claimed();
+  std::vector<can::Frame> sent = rig.hear(frame(0x18EAFF21, {0xEB, 0xFE, 0x00}));
+  for (const can::Frame& one : rig.hear(frame(0x18EAFF21, {0xDA, 0xFE, 0x00}))) sent.push_back(one);
+  for (const can::Frame& one : rig.run(milliseconds(500))) sent.push_back(one);
+  const auto announced = of(sent, 0x18ECFF80);
+  ASSERT_EQ(announced.size(), 2u);
+  EXPECT_EQ(announced[0].data[5], 0xEB);
+  EXPECT_EQ(announced[1].data[5], 0xDA);
+  // Of one node, which answers for both: no "cannot respond".
+  sent = rig.hear(frame(0x18EA8021, {0xEB, 0xFE, 0x00}));
+  for (const can::Frame& one : rig.hear(frame(0x18EA8021, {0xDA, 0xFE, 0x00}))) sent.push_back(one);
+  EXPECT_TRUE(of(sent, 0x18E8FF80).empty());
+  EXPECT_EQ(of(sent, 0x18EC2180).size(), 1u);
+  sent = rig.hear(frame(0x1CEC8021, {19, 20, 0, 3, 0xFF, 0xEB, 0xFE, 0x00}));
+  EXPECT_EQ(of(sent, 0x18EC2180).size(), 0u) << "not all packets were asked for";
+}
+
 TEST(Periodic, J13WhatWentByIsLeftOut) {
   NodeRig rig(settings());
   rig.claimed();

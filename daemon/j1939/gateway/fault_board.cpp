@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <span>
+#include <string>
+#include <utility>
 
 #include "j1939/dds/convert.h"
 #include "j1939/dds/texts.h"
@@ -31,6 +33,22 @@ std::string fault_text(const char* what, std::uint8_t source, const j1939::Troub
       code.occurrences == 127 ? "an unknown number of times" : text::counted(code.occurrences, "time"));
 }
 
+/// The lamps that are on, where no code says why; empty: none.
+std::string lamps_without_code(Bytes message) {
+  using j1939::Lamp;
+  const auto lamps = j1939::lamps_of(message);
+  if (!lamps || j1939::trouble_codes_in(message) != 0) return {};
+  std::string text;
+  const std::pair<Lamp, const char*> all[] = {{lamps->malfunction, "malfunction"},
+                                              {lamps->red_stop, "red stop"},
+                                              {lamps->amber_warning, "amber warning"},
+                                              {lamps->protect, "protect"}};
+  for (const auto& [lamp, name] : all) {
+    if (lamp == Lamp::on) text += fmt::format("{}{}", text.empty() ? "" : ", ", name);
+  }
+  return text;
+}
+
 }  // namespace
 
 void FaultBoard::take(const j1939_ReceivedMessage& message, SteadyTime now) {
@@ -56,6 +74,20 @@ void FaultBoard::tell_changes(const Told& before, const j1939_ReceivedMessage& m
     events_.publish({gateway_SEVERITY_WARNING, "fault_appeared", -1,
                      fault_text("appeared", message.source, code), std::nullopt},
                     now);
+  }
+  const std::string lamps = lamps_without_code(bytes);
+  const std::string lamps_before = lamps_without_code(before.message);
+  if (!lamps.empty() && lamps != lamps_before) {
+    events_.publish({gateway_SEVERITY_WARNING, "fault_appeared", -1,
+                     fmt::format("address {}: fault appeared: lamps on ({}), no code", message.source, lamps),
+                     std::nullopt},
+                    now);
+  } else if (lamps.empty() && !lamps_before.empty()) {
+    events_.publish(
+        {gateway_SEVERITY_INFO, "fault_gone", -1,
+         fmt::format("address {}: fault gone: lamps without a code ({})", message.source, lamps_before),
+         std::nullopt},
+        now);
   }
   for (std::size_t i = 0; i < j1939::trouble_codes_in(before.message); ++i) {
     const j1939::TroubleCode code = j1939::trouble_code(before.message, i);

@@ -33,7 +33,12 @@ MessageGateway::MessageGateway(const J1939Config& config, J1939Exchange& exchang
       long_messages_(participant, 0, &signal_),
       status_(participant, 0, &signal_),
       tables_(participant, 0, &signal_),
-      faults_(participant, signal_, events_) {
+      faults_(participant, signal_, events_),
+      left_out_(
+          {"groups_left_out", "groups_left_out_over",
+           "groups of [[provide]] are left out, because the one of the time before is not on the bus yet; make "
+           "provide.period_ms longer, or let programs send fewer long messages",
+           "groups of [[provide]] all have room again; left out"}) {
   long_data_.resize(j1939_MESSAGE_BATCH);
   jobs_.set_read_by_all(common_.gateway_writer());
 }
@@ -63,7 +68,7 @@ SteadyTime MessageGateway::pass(bool samples_may_wait) {
     if (jobs_.take_requests(jobs)) signal_.raise();
   }
   const SteadyTime status_due = publish_status(now);
-  const SteadyTime due = earliest(status_due, {jobs_.retry(jobs), losses_.next()}, now);
+  const SteadyTime due = earliest(status_due, {jobs_.retry(jobs), losses_.next(), left_out_.next()}, now);
   return more_messages ? now : due;
 }
 
@@ -116,14 +121,19 @@ void MessageGateway::publish_long(const MessageReport& report) {
 
 void MessageGateway::publish_batch() {
   batch_.clear();
+  const SteadyTime now = steady_clock::now();
   for (std::size_t i = 0; i < reports_.size(); ++i) {
     const MessageReport& report = reports_[i];
     const std::uint8_t* data = report.size > report.data.size() ? long_data_[i].data() : report.data.data();
     const j1939::Message message{report.number,      report.priority,  report.source,
                                  report.destination, report.transport, report.receive_time,
                                  {data, report.size}};
-    batch_.push_back(j1939::dds::received_message(message, report.receive_time.count(), report.range));
+    const j1939_ReceivedMessage received =
+        j1939::dds::received_message(message, report.receive_time.count(), report.range);
+    faults_.take(received, now);
+    if (report.taken) batch_.push_back(received);
   }
+  if (batch_.empty()) return;
   j1939_MessageBatch sample = {};
   sample.number = ++batch_number_;
   sample.lost = bus_.lost + unwritten_;
@@ -131,8 +141,6 @@ void MessageGateway::publish_batch() {
   sample.messages._maximum = sample.messages._length;
   sample.messages._buffer = batch_.data();  // lent for the call
   if (batches_.write(sample) != DDS_RETCODE_OK) unwritten_ += batch_.size();
-  const SteadyTime now = steady_clock::now();
-  for (const j1939_ReceivedMessage& message : batch_) faults_.take(message, now);
 }
 
 void MessageGateway::publish_addresses() {
@@ -182,6 +190,7 @@ SteadyTime MessageGateway::publish_status(SteadyTime now) {
   }
   publish_addresses();
   losses_.tell(bus_.lost + unwritten_, events_, now);
+  left_out_.tell(bus_.groups_left_out, events_, now);
   const SteadyTime common_due = tell_common({.controller = bus_.controller,
                                              .timestamps = bus_.timestamps,
                                              .in_run = bus_.claim == j1939::ClaimState::claimed},
@@ -217,6 +226,7 @@ j1939_NodeStatus MessageGateway::node_status() const {
   sample.unanswered = bus_.counters.unanswered;
   sample.not_sent = bus_.counters.not_sent;
   sample.answers_lost = bus_.answers_lost;
+  sample.groups_left_out = bus_.groups_left_out;
   sample.waiting = bus_.waiting;
   sample.send_timeout = static_cast<std::uint32_t>(config_.send.timeout.count());
   return sample;

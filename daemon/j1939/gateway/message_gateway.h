@@ -77,6 +77,7 @@ class MessageGateway final : public GatewayBase<J1939Config, J1939Exchange> {
   std::uint64_t unwritten_ = 0;  ///< messages of batches that could not be written
   NodeSnapshot bus_;             ///< newest
   LossRow losses_{not_published("messages")};
+  LossRow left_out_;
   SteadyTime next_status_;
   j1939_NodeStatus told_status_ = {};  ///< newest
 };

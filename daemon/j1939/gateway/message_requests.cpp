@@ -11,16 +11,22 @@ namespace cansyncd {
 
 template class JobDesk<MessageRequests>;
 
-/// A request for a group reads; what is sent may change something.
+/// A request for a group reads, but for one that erases; what is sent may change something.
 std::optional<Change> MessageRequests::change_of(const j1939_MessageRequest& sample, const MessageContext&) {
-  if (sample.kind == j1939_MESSAGE_ASK) return std::nullopt;
+  const bool asks = sample.kind == j1939_MESSAGE_ASK;
+  if (asks && !erases(sample.pgn)) return std::nullopt;
   constexpr unsigned kShown = 8;
   Change change;
   change.action = "send_message";
-  const auto bytes = j1939::dds::bytes_of(sample);
   const std::string destination = sample.destination == j1939::kGlobalAddress
                                       ? std::string("all")
                                       : fmt::format("address {}", sample.destination);
+  if (asks) {
+    change.new_value =
+        fmt::format("request of PGN 0x{:05X} to {}, which erases its faults", sample.pgn, destination);
+    return change;
+  }
+  const auto bytes = j1939::dds::bytes_of(sample);
   change.new_value =
       fmt::format("PGN 0x{:05X} to {}, {}", sample.pgn, destination, text::counted(bytes, "byte"));
   for (unsigned i = 0; i < sample.data._length && i < kShown; ++i)

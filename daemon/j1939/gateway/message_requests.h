@@ -78,7 +78,7 @@ class MessageRequests {
   }
   static Lane lane_of(const Request& request) noexcept { return {request.kind, 0}; }
   static Effect effect_of(const Request& request) noexcept {
-    return {Right::operate, request.kind == j1939::OrderKind::send};
+    return {Right::operate, request.kind == j1939::OrderKind::send || erases(request.number)};
   }
   static std::string wrong_topic() { return "topic: this one gives no right to send"; }
   static bool hand_on(const Request& request, const MessageContext& context) {
@@ -98,6 +98,11 @@ class MessageRequests {
   static bool is_done(Outcome outcome) noexcept { return outcome == Outcome::done; }
 
  private:
+  /// Asking for the group makes the other node erase its faults (J1939-73, 5.7.3 and 5.7.11).
+  static constexpr bool erases(j1939::Pgn number) noexcept {
+    return number == j1939::pgn::kErasePreviousFaults || number == j1939::pgn::kEraseActiveFaults;
+  }
+
   MessageSendConfig config_;
   std::size_t most_;  ///< bytes of a message
 };

@@ -62,7 +62,9 @@ constexpr MetricFamily kNodeFamilies[] = {
     {"cansync_j1939_requests_waiting", MetricType::gauge, "", "NodeStatus.waiting",
      "Requests that wait to be sent."},
     {"cansync_j1939_answers_lost", MetricType::counter, "", "NodeStatus.answers_lost",
-     "Short answers to other nodes for which there was no room."},
+     "Answers to other nodes for which there was no room."},
+    {"cansync_j1939_groups_left_out", MetricType::counter, "", "NodeStatus.groups_left_out",
+     "Times that a group of provide.period_ms was due and had no room."},
 };
 
 }  // namespace

@@ -71,13 +71,14 @@ void MessageMachine::report(const j1939::Node::Delivery& delivery) noexcept {
   report.source = message.source;
   report.destination = message.destination;
   report.transport = message.transport;
-  report.range = delivery.range;
+  report.taken = delivery.range.has_value();
+  report.range = delivery.range.value_or(0);
   report.size = static_cast<std::uint32_t>(message.data.size());
   report.receive_time = watch_.wall_clock(message.end);
   const bool is_long = message.data.size() > report.data.size();
   const std::size_t pieces = is_long ? pieces_of(message.data.size()) : 0;
   if (exchange_.messages.room() == 0 || exchange_.long_data.room() < pieces) {
-    ++snapshot_.lost;
+    snapshot_.lost += report.taken;
     return;
   }
   if (is_long) {
@@ -156,6 +157,7 @@ void MessageMachine::publish(can::Time now) noexcept {
     snapshot_.counters = node_.counters();
     snapshot_.packets = node_.received_packets();
     snapshot_.answers_lost = node_.answers_lost();
+    snapshot_.groups_left_out = node_.groups_left_out();
     snapshot_.timestamps = bus_.timestamp_source();
     snapshot_.waiting = static_cast<std::uint32_t>(node_.waiting());
     snapshot_.transports = static_cast<std::uint32_t>(node_.transports());

@@ -19,7 +19,7 @@ constexpr unsigned kBatchesAtOnce = 16;
 
 LossRow::Texts telegrams_left_out() {
   return {"telegrams_left_out", "telegrams_left_out_over",
-          "telegrams of the process image are left out, because the bus has no room for all of them within "
+          "telegrams of the process image are left out, because they had no place on the bus within "
           "mapping.interval_ms; which ones says cansync can image; make the interval longer, or send fewer",
           "telegrams of the process image all have room again; left out"};
 }
@@ -127,13 +127,13 @@ void FrameGateway::take_running(SteadyTime time) {
   config_.mapped = now.mapped;
   config_.writer_lost = now.writer_lost;
   set_rules(time);
-  if (image_gate_.table() != running_.tables()) take_table();
+  if (image_gate_.table() != running_.tables()) take_table(time);
   if (sends_otherwise) jobs_.renew_limits();
 }
 
 /// The process image begins anew, or there is none any more.
-void FrameGateway::take_table() {
-  image_gate_.begin_anew();
+void FrameGateway::take_table(SteadyTime time) {
+  image_gate_.begin_anew(time);
   if (config_.mapped.empty() && std::exchange(image_told_, false)) (void)image_.dispose({});
 }
 

@@ -64,7 +64,7 @@ class FrameGateway final : public GatewayBase<Layer2Config, Layer2Exchange> {
   SendContext context(SteadyTime now);
   void set_rules(SteadyTime now);
   void take_running(SteadyTime time);
-  void take_table();
+  void take_table(SteadyTime time);
 
   RunningConfiguration running_;
   JobDesk<SendRequests> jobs_;

@@ -120,7 +120,18 @@ void ImageGate::set_rules(const Rules& rules, SteadyTime now) {
   changed_ = false;
 }
 
-void ImageGate::begin_anew() {
+void ImageGate::begin_anew(SteadyTime now) {
+  if (image_.sending && rules_.mapped) {
+    const std::string who = owner().empty() ? "a program or a request" : owner();
+    EventText event{
+        gateway_SEVERITY_WARNING, "image_begins_anew", -1,
+        fmt::format("the mapping was changed, and its image is all 0: nothing is sent until {} writes it "
+                    "anew",
+                    who),
+        std::nullopt};
+    event.client = owner();
+    events_.publish(event, now);
+  }
   image_.bytes.fill(0);
   image_.sending = false;
   ++image_.table;

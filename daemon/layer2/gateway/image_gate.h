@@ -42,8 +42,8 @@ class ImageGate {
   };
   /// Whoever has given the image counts as gone while it is read-only.
   void set_rules(const Rules& rules, SteadyTime now);
-  /// Another table was taken: the image begins anew, and whoever owns it has to write it anew.
-  void begin_anew();
+  /// Another table was taken: the image begins anew, and whoever owns it has to write it anew, which is told.
+  void begin_anew(SteadyTime now);
   /// Tables taken so far.
   std::uint32_t table() const noexcept { return image_.table; }
 

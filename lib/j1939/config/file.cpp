@@ -43,6 +43,13 @@ void finish_provided(J1939Draft& draft, Findings& findings) {
   for (std::size_t n = 0; n < draft.provided.size(); ++n) {
     const J1939Draft::Offer& found = draft.provided[n];
     if (!found.given) continue;
+    for (std::size_t other = 0; other < n; ++other) {
+      if (!draft.provided[other].given || draft.provided[other].provided.number != found.provided.number)
+        continue;
+      findings.problem(fmt::format("provide.{}.pgn", n),
+                       fmt::format("found 0x{:05X}, which provide.{} has; allowed: each group once",
+                                   found.provided.number, other));
+    }
     draft.config.provided.push_back(found.provided);
     check_group(found.provided.number, fmt::format("provide.{}.pgn", n), findings);
     if (found.provided.period > j1939::Time{0} && found.provided.data.empty())
@@ -57,7 +64,7 @@ void finish_ecus(J1939Draft& draft, Findings& findings) {
     if (!found.given) continue;
     found.ecu.number = n;
     // Those who were given no identity of their own still need different NAMEs.
-    if (found.ecu.name == j1939::NameFields{}) found.ecu.name.identity = 1000 + n;
+    found.ecu.name.identity = found.identity.value_or(1000 + n);
     draft.config.ecus.push_back(found.ecu);
     check_group(found.ecu.group, fmt::format("ecu.{}.pgn", n), findings);
     if (found.ecu.destination == j1939::kNullAddress)

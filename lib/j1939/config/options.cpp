@@ -175,7 +175,7 @@ constexpr auto kJ1939Rows = std::to_array<J1939Row>({
         whole_number("ecu.address", 0, 253, "", "Address that it claims.")),
     {whole_number("ecu.identity", "(1000 and its number)", 0, 0x1FFFFF, "",
                   "Serial number in its NAME, whose other fields are 0: the lower, the stronger."),
-     [](J1939Draft& d, const Value& v) { ecu(d).name.identity = whole<std::uint32_t>(v); }},
+     [](J1939Draft& d, const Value& v) { d.ecus[d.number].identity = whole<std::uint32_t>(v); }},
     field(
         [](auto& d) -> auto& { return ecu(d).name.arbitrary_address; },
         boolean("ecu.arbitrary", "It takes another address when it loses its own.")),

@@ -32,6 +32,7 @@ struct J1939Draft {
   /// One [[ecu]].
   struct Ecu {
     bool given = false;
+    std::optional<std::uint32_t> identity;
     SimEcuConfig ecu;
   };
 

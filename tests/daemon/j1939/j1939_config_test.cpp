@@ -133,7 +133,20 @@ TEST_F(J1939Configuration, WhatIsWrongNamesItsPlace) {
   EXPECT_NE(problems("[[ecu]]\nnumber = 0\ndata = [256]\n").find("f.toml:3"), std::string::npos);
 }
 
+TEST_F(J1939Configuration, AGroupIsProvidedOnce) {
+  EXPECT_NE(
+      problems("[[provide]]\nnumber = 0\npgn = 0xFEEB\n[[provide]]\nnumber = 4\npgn = 0xFEEB\n")
+          .find("f.toml:6:7: provide.4.pgn: found 0x0FEEB, which provide.0 has; allowed: each group once"),
+      std::string::npos);
+}
+
 TEST_F(J1939Configuration, SimulatedNodesHaveNamesOfTheirOwn) {
+  const J1939Config arbitrary = good(
+      "[[ecu]]\nnumber = 0\narbitrary = true\n[[ecu]]\nnumber = 1\naddress = 1\narbitrary = true\n"
+      "[[ecu]]\nnumber = 2\naddress = 2\nidentity = 0\n");
+  EXPECT_EQ(arbitrary.ecus[0].name.identity, 1000u);
+  EXPECT_EQ(arbitrary.ecus[1].name.identity, 1001u);
+  EXPECT_EQ(arbitrary.ecus[2].name.identity, 0u) << "given on purpose";
   const J1939Config config = good("[[ecu]]\nnumber = 0\n[[ecu]]\nnumber = 1\naddress = 1\n");
   ASSERT_EQ(config.ecus.size(), 2u);
   EXPECT_NE(j1939::compose(config.ecus[0].name), j1939::compose(config.ecus[1].name));

@@ -1,6 +1,8 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "daemon/j1939/gateway/message_requests.h"
@@ -68,6 +70,28 @@ TEST(MessageLanes, TheShortestQueueStillTakesOne) {
   desk.lanes.remove(1);
   desk.hand_over();
   EXPECT_TRUE(desk.has(2));
+}
+
+// J1939-73: who is asked for DM3 or DM11 erases its faults.
+TEST(MessageRequests, AskingForWhatErasesFaultsIsAChange) {
+  for (const auto& [group, erases] :
+       {std::pair{0x0FECCu, true}, {0x0FED3u, true}, {0x0FECAu, false}, {0x0FEEBu, false}}) {
+    j1939::Order order;
+    order.kind = j1939::OrderKind::request;
+    order.number = group;
+    EXPECT_EQ(MessageRequests::effect_of(order).changes, erases) << group;
+    j1939_MessageRequest sample = {};
+    sample.kind = j1939_MESSAGE_ASK;
+    sample.pgn = group;
+    sample.destination = 3;
+    J1939Exchange exchange(4, 4, 0);
+    const J1939Config config;
+    const auto change = MessageRequests::change_of(sample, {exchange, config, {}, {}});
+    ASSERT_EQ(change.has_value(), erases) << group;
+    if (!change) continue;
+    EXPECT_EQ(change->new_value,
+              fmt::format("request of PGN 0x{:05X} to address 3, which erases its faults", group));
+  }
 }
 
 }  // namespace

@@ -138,6 +138,7 @@ TEST_F(Layer2Image, NothingIsSentUntilSomebodyHasWritten) {
       gateway_REPLY_DONE);
   const auto anew = image([](const auto& sample) { return !sample.sending; });
   EXPECT_EQ(anew.outputs[3], 0);
+  EXPECT_EQ(journal_.wait_for("EVENT", "image_begins_anew").size(), 1u);
   EXPECT_EQ(anew.telegrams, 1);
   EXPECT_EQ(anew.telegram_identifier[0], 0x201u);
   first->write(0, bytes(1, 9));

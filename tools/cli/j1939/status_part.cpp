@@ -81,6 +81,20 @@ std::vector<Finding> node_findings(Session& session) {
   } else {
     out.ok("address", claim);
   }
+  if (status.intruders != 0)
+    out.warning("intruders",
+                fmt::format("{} of other nodes had the daemon's address as their source",
+                            text::counted(status.intruders, "message")),
+                "give the other node an address of its own, or the daemon another address.preferred");
+  if (status.answers_lost != 0)
+    out.warning("answers",
+                fmt::format("{} to other nodes had no room", text::counted(status.answers_lost, "answer")),
+                "look at the load of the bus: cansync status");
+  if (status.groups_left_out != 0)
+    out.warning(
+        "groups",
+        fmt::format("a group of [[provide]] was left out {}", text::counted(status.groups_left_out, "time")),
+        "make provide.period_ms longer, or let programs send fewer long messages");
   return std::move(out).take();
 }
 

@@ -238,7 +238,23 @@ std::vector<Table::Column> fault_columns() {
           {"SPN", right, "suspect parameter number", 6},
           {"FMI", right, "failure mode identifier, 0 to 31", 3},
           {"TIMES", right, "how often it occurred; -: not told", 5},
-          {"MODE", left, "what the failure mode means", 0}};
+          {"LAMPS", left,
+           "lamps of the node that are on: malfunction, stop (red), warning (amber), protect; -: none", 8},
+          {"MODE", left, "what the failure mode means; no fault: the node has told that it has none", 0}};
+}
+
+/// The lamps that are on.
+std::string lamps_on(const j1939_FaultList& list) {
+  constexpr std::uint8_t kOn = 1;
+  std::string text;
+  const std::pair<std::uint8_t, const char*> all[] = {{list.malfunction_lamp, "malfunction"},
+                                                      {list.red_stop_lamp, "stop"},
+                                                      {list.amber_warning_lamp, "warning"},
+                                                      {list.protect_lamp, "protect"}};
+  for (const auto& [lamp, name] : all) {
+    if (lamp == kOn) text += fmt::format("{}{}", text.empty() ? "" : ",", name);
+  }
+  return text.empty() ? "-" : text;
 }
 
 const char* lamp_text(std::uint8_t lamp) {
@@ -269,6 +285,7 @@ JsonObject fault_json(const j1939::client::Faults& faults) {
 ExitCode faults_verb(Session& session) {
   auto client = connect_bus<MessageClient>(session);
   Table table(fault_columns());
+  std::size_t told = 0;
   // What the daemon keeps comes at once; nodes tell theirs once a second.
   constexpr auto kLook = std::chrono::milliseconds(300);
   for (const auto& [key, faults] : client.faults(kLook)) {
@@ -276,14 +293,22 @@ ExitCode faults_verb(Session& session) {
       session.output().object(fault_json(faults));
       continue;
     }
+    const std::string from = fmt::format("{}", key.first);
+    const std::string when = key.second ? "active" : "previous";
+    const std::string lamps = lamps_on(faults.list);
     for (const j1939_TroubleCode& code : faults.codes) {
-      table.add({fmt::format("{}", key.first), key.second ? "active" : "previous",
-                 fmt::format("{}", code.spn), fmt::format("{}", code.fmi),
-                 code.occurrences == 127 ? std::string("-") : fmt::format("{}", code.occurrences),
+      table.add({from, when, fmt::format("{}", code.spn), fmt::format("{}", code.fmi),
+                 code.occurrences == 127 ? std::string("-") : fmt::format("{}", code.occurrences), lamps,
                  std::string(j1939::dds::failure_mode(code.fmi))});
     }
+    if (faults.codes.empty())
+      table.add({from, when, "-", "-", "-", lamps, lamps == "-" ? "no fault" : "lamps without a code"});
+    ++told;
   }
-  if (!session.json()) session.output().table(table);
+  if (session.json()) return ExitCode::done;
+  session.output().table(table);
+  if (told == 0)
+    session.output().remark("no node has told anything of its faults since the daemon started (DM1, DM2)");
   return ExitCode::done;
 }
 

@@ -39,6 +39,7 @@ class CANSYNC_PUBLIC FrameConnection {
   FrameConnection(FrameConnection&& other) noexcept;
   /// Likewise; ends the connection there was.
   FrameConnection& operator=(FrameConnection&& other) noexcept;
+  /// Ends the mapping that SFB 413 has set up, too, as the end of its program does (Saia 3.4); waits for the daemon, 0.5 s at most.
   ~FrameConnection();
 
   /// A daemon serves the bus now.
@@ -58,8 +59,9 @@ class CANSYNC_PUBLIC FrameConnection {
   /// a block takes it: between two calls it stays as it is.
   std::span<const std::uint8_t, 1024> inputs() const noexcept;
   /// Writes bytes of the process image that is sent, `address` 0..1023, after SFB 413 has set up a mapping.
-  /// Between two telegrams all of them are in the image or none. While the connection lives it owns the
-  /// image, if no stronger writer does. Returns why nothing was written; empty: it was handed to DDS.
+  /// Between two telegrams all of them are in the image or none; those never written are 0. Nothing is sent before the
+  /// first call. While the connection lives it owns the image, if no stronger writer does. Returns why nothing was
+  /// written; empty: it was handed to DDS.
   std::string write_outputs(std::uint16_t address, std::span<const std::uint8_t> bytes);
 
   /// The library's own, for its function blocks.
