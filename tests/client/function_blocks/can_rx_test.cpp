@@ -197,6 +197,24 @@ TEST_F(CanRx, L60EachErrorOfCanRx) {
   ASSERT_TRUE(repeat_until([&] { receive.call(); }, [&] { return receive.Status == can_status::refused; }));
 }
 
+// What a routine uses of the program may be gone by then.
+TEST_F(CanRx, NoRoutineIsCalledWhileTheConnectionEnds) {
+  open();
+  const CanIOEntry entry = {.MsgID = 0x301};
+  connection.load_data_block(20, data_block(std::span(&entry, 1)));
+  CAN_DMAP mapping(connection);
+  mapping.DBNr = 20;
+  mapping.NbEntries = 1;
+  mapping.MsgID = 0x300;
+  mapping.Mask = 0x700;
+  mapping.call();
+  ASSERT_EQ(mapping.RetVal, can_status::done) << mapping.error();
+  ASSERT_TRUE(call_until(state, [&] { return !daemon->controls.empty(); }));
+  full(1, 0x42);
+  { const FrameConnection gone = std::move(connection); }
+  EXPECT_TRUE(received.empty());
+}
+
 // Param, ObjID and PortID of the routine; a call after it has the data.
 TEST_F(CanRx, L43TheRoutineIsCalledAndTheNextCallHasTheData) {
   open();

@@ -240,7 +240,7 @@ std::vector<Table::Column> fault_columns() {
           {"TIMES", right, "how often it occurred; -: not told", 5},
           {"LAMPS", left,
            "lamps of the node that are on: malfunction, stop (red), warning (amber), protect; -: none", 8},
-          {"MODE", left, "what the failure mode means; no fault: the node has told that it has none", 0}};
+          {"MODE", left, "what the failure mode means; no fault: the node reports none", 0}};
 }
 
 /// The lamps that are on.
@@ -308,7 +308,8 @@ ExitCode faults_verb(Session& session) {
   if (session.json()) return ExitCode::done;
   session.output().table(table);
   if (told == 0)
-    session.output().remark("no node has told anything of its faults since the daemon started (DM1, DM2)");
+    session.output().remark(
+        "no node has reported its faults since the daemon started: no DM1 or DM2 was received");
   return ExitCode::done;
 }
 

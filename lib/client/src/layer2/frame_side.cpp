@@ -41,12 +41,14 @@ FrameSide::FrameSide(const Options& options)
 
 FrameSide::~FrameSide() {
   if (!mapped_ || !client_.daemon_present()) return;
+  routines_.clear();  // what they use of the program may be gone
   try {
     bool over = false;
     (void)map(
         {.toml = std::string(kNoMapping), .entries = false, .ended = [&](const Result&) { over = true; }});
     for (const auto end = steady_clock::now() + kFarewell; !over && steady_clock::now() < end;) {
-      look();
+      client_.look(
+          {.ended = [this](std::uint64_t request, const Result& result) { open_.ended(request, result); }});
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   } catch (const std::exception&) {  // the image is given up all the same, as when a program dies
