@@ -39,6 +39,9 @@ class LossRow {
     }
   }
 
+  /// What was lost so far has another reason, which is told elsewhere.
+  void pass_over(std::uint64_t lost) noexcept { told_ = lost; }
+
   /// When to call `tell` again at the latest; nothing: no need.
   std::optional<SteadyTime> next() const { return row_.next(); }
 

@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "can/adapter/link_remedy.h"
 #include "can/bus_names.h"
 #include "daemon/bus/adapter_text.h"
 #include "daemon_config/bit_timing_check.h"
@@ -29,6 +30,28 @@ gateway_EventSeverity severity_of(can::ControllerState state) {
   return gateway_SEVERITY_INFO;
 }
 
+EventText delivery_event(can::Delivery to, const BusConfig& bus) {
+  switch (to) {
+    case can::Delivery::normal:
+      return event(gateway_SEVERITY_INFO, "delivered_again", "frames are on the bus again");
+    case can::Delivery::unacknowledged:
+      return event(gateway_SEVERITY_ERROR, "not_delivered",
+                   fmt::format("nobody on the bus of {} acknowledges; check the cable, both terminating "
+                               "resistors, and the power and bit rate of the other nodes",
+                               bus.interface));
+    case can::Delivery::not_emptied:
+      break;
+  }
+  return event(
+      gateway_SEVERITY_ERROR, "not_emptied",
+      fmt::format("{0} could not be reset: what was handed over before nobody acknowledged stands in its "
+                  "controller and goes out when somebody does; empty it as root: ip link set {0} down "
+                  "&& ip link set {0} up",
+                  bus.interface));
+}
+
+}  // namespace
+
 EventText link_event(const can::ControllerStatus& to, const BusConfig& bus, const can::LinkFacts& link) {
   switch (to.link) {
     case can::LinkState::up:
@@ -52,6 +75,12 @@ EventText link_event(const can::ControllerStatus& to, const BusConfig& bus, cons
           fmt::format("{} is not in one-shot mode, which bus.one_shot demands, nothing is sent; set it "
                       "with: {}",
                       bus.interface, one_shot_command(bus)));
+    case can::LinkState::listen_only:
+      return event(
+          gateway_SEVERITY_WARNING, "listen_only",
+          fmt::format("{} is in listen-only mode: frames are received, nothing is sent; to send, set it "
+                      "with: {}",
+                      bus.interface, can::sending_remedy(bus.interface)));
     case can::LinkState::down:
       break;
   }
@@ -59,28 +88,6 @@ EventText link_event(const can::ControllerStatus& to, const BusConfig& bus, cons
                fmt::format("{} is down, nothing is sent; set it up with: {}", bus.interface,
                            set_up_command(bus, link)));
 }
-
-EventText delivery_event(can::Delivery to, const BusConfig& bus) {
-  switch (to) {
-    case can::Delivery::normal:
-      return event(gateway_SEVERITY_INFO, "delivered_again", "frames are on the bus again");
-    case can::Delivery::unacknowledged:
-      return event(gateway_SEVERITY_ERROR, "not_delivered",
-                   fmt::format("nobody on the bus of {} acknowledges; check the cable, both terminating "
-                               "resistors, and the power and bit rate of the other nodes",
-                               bus.interface));
-    case can::Delivery::not_emptied:
-      break;
-  }
-  return event(
-      gateway_SEVERITY_ERROR, "not_emptied",
-      fmt::format("{0} could not be reset: what was handed over before nobody acknowledged stands in its "
-                  "controller and goes out when somebody does; empty it as root: ip link set {0} down "
-                  "&& ip link set {0} up",
-                  bus.interface));
-}
-
-}  // namespace
 
 std::vector<EventText> bus_events(const can::ControllerStatus& from, const can::ControllerStatus& to,
                                   const BusConfig& bus, const can::LinkFacts& link) {

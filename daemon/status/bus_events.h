@@ -14,4 +14,7 @@ namespace cansyncd {
 std::vector<EventText> bus_events(const can::ControllerStatus& from, const can::ControllerStatus& to,
                                   const BusConfig& bus, const can::LinkFacts& link);
 
+/// What is to be told of the state of an interface that `to` has now.
+EventText link_event(const can::ControllerStatus& to, const BusConfig& bus, const can::LinkFacts& link);
+
 }  // namespace cansyncd

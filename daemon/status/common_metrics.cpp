@@ -51,8 +51,8 @@ void state_of_link(const MetricsSource& from, MetricSamples& to) {
   add_states(to, "",
              std::array{name(LinkState::up), name(LinkState::down), name(LinkState::missing),
                         name(LinkState::wrong_adapter), name(LinkState::wrong_bit_rate),
-                        name(LinkState::not_one_shot), name(can::Delivery::unacknowledged),
-                        name(can::Delivery::not_emptied)},
+                        name(LinkState::not_one_shot), name(LinkState::listen_only),
+                        name(can::Delivery::unacknowledged), name(can::Delivery::not_emptied)},
              text(bus_of(from).link_state));
 }
 

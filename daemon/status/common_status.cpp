@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "can/bus_names.h"
+#include "daemon_config/bit_timing_check.h"
 #include "dds/bounded_text.h"
 
 namespace cansyncd {
@@ -70,11 +71,11 @@ gateway_GatewayStatus lasting_gateway(const DaemonConfig& config, std::string_vi
   return status;
 }
 
-gateway_BusStatus lasting_bus(const BusConfig& config, std::uint16_t sample_point) {
+gateway_BusStatus lasting_bus(const BusConfig& config) {
   gateway_BusStatus status = {};
   copy_text(config.interface, status.bus_interface);
   status.bit_rate = config.bits_per_second;
-  status.sample_point_wanted = sample_point;
+  status.sample_point_wanted = wanted_sample_point(config);
   status.restart_time = -1;
   copy_text(config.adapter, status.adapter_wanted);
   return status;
@@ -105,7 +106,7 @@ void CommonStatus::Topic<T>::step(SteadyTime now) {
 }
 
 CommonStatus::CommonStatus(const gateway::dds::Participant& participant, EventPublisher& events,
-                           const DaemonConfig& config, const ProtocolFacts& protocol,
+                           const DaemonConfig& config, std::string_view protocol,
                            const DaemonIdentity& identity)
     : peers_(participant, events),
       events_(events),
@@ -115,8 +116,8 @@ CommonStatus::CommonStatus(const gateway::dds::Participant& participant, EventPu
       gateway_(participant),
       bus_(participant),
       realtime_(participant) {
-  gateway_.sample = lasting_gateway(config, protocol.name, identity);
-  bus_.sample = lasting_bus(config.bus, protocol.sample_point_wanted);
+  gateway_.sample = lasting_gateway(config, protocol, identity);
+  bus_.sample = lasting_bus(config.bus);
   realtime_.sample = lasting_realtime(config.sync);
   set_access(config.access);
   set_network(participant.options(), "");

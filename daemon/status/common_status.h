@@ -24,12 +24,6 @@
 
 namespace cansyncd {
 
-/// What a protocol says of itself.
-struct ProtocolFacts {
-  std::string_view name;                  ///< as the option `bus.protocol` has it
-  std::uint16_t sample_point_wanted = 0;  ///< in 1/1000 of a bit; 0: any
-};
-
 /// What a realtime thread tells whatever its protocol; the defaults stand for what a protocol does not have.
 struct CommonSnapshot {
   can::ControllerStatus controller;
@@ -57,7 +51,7 @@ class CommonStatus {
 
   /// Throws gateway::dds::SetupError.
   CommonStatus(const gateway::dds::Participant& participant, EventPublisher& events,
-               const DaemonConfig& config, const ProtocolFacts& protocol, const DaemonIdentity& identity);
+               const DaemonConfig& config, std::string_view protocol, const DaemonIdentity& identity);
 
   /// What the realtime thread asked for and was granted. Before the gateway thread runs.
   void set_realtime(const rt::RealtimeSettings& wanted, const rt::Grants& granted) noexcept;

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "daemon/desk/gateway_events.h"
-#include "daemon/desk/metrics_file.h"
+#include "daemon/status/metrics_file.h"
 #include "daemon_config/daemon_config.h"
 
 namespace cansyncd {

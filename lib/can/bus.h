@@ -40,6 +40,7 @@ enum class LinkState : std::uint8_t {
   wrong_adapter,   ///< another adapter than the configured one has this name: nothing is sent or received
   wrong_bit_rate,  ///< set up with another bit rate than the configured one: nothing is sent
   not_one_shot,    ///< not in one-shot mode, which the configuration demands: nothing is sent
+  listen_only,     ///< in listen-only mode: its controller neither sends nor acknowledges
 };
 
 /// What becomes of the frames that are handed to the controller, as their echoes tell.

@@ -32,6 +32,8 @@ std::string_view name(LinkState state) noexcept {
       return "wrong-bit-rate";
     case LinkState::not_one_shot:
       return "not-one-shot";
+    case LinkState::listen_only:
+      return "listen-only";
   }
   return "unknown";
 }

@@ -13,8 +13,8 @@ std::string_view reason_not_sent(Obstacle obstacle) noexcept {
       return "not sent within the monitoring time: the controller is in bus-off; check wiring, termination and "
              "bit rate; it leaves bus-off by its interface's restart-ms, or when the interface is set up anew";
     case Obstacle::interface_down:
-      return "not sent within the monitoring time: the interface is missing or down; set it up with the "
-             "configured bit rate";
+      return "not sent within the monitoring time: the interface is missing, down, in listen-only mode, or not "
+             "set up as configured; look at it, and set it up with the configured bit rate, and not listen-only";
     case Obstacle::not_delivered:
       return "not sent within the monitoring time: nobody acknowledges; check that another node is on the bus, "
              "with the same bit rate";

@@ -85,6 +85,20 @@ TEST_F(ServiceTest, TellsTheStateOfTheLineInOneSentence) {
   EXPECT_TRUE(manager.comes("STATUS=run: 2 of 2 slaves respond; bus two (sim) at 1000000 bit/s"));
 }
 
+TEST_F(ServiceTest, TellsTheStateOfABusOfFramesAndOfAJ1939Node) {
+  const NotifySocket manager(folder_ / "notify");
+  {
+    Program program =
+        run({write("frames.toml", "[bus]\nname = \"frames\"\nprotocol = \"layer2\"\n")}, {notify_socket()});
+    EXPECT_TRUE(manager.comes("STATUS=run: general frames; bus frames (sim) at 500000 bit/s"));
+  }
+  Program program = run({write("node.toml",
+                               "[bus]\nname = \"node\"\nprotocol = \"j1939\"\n"
+                               "[address]\npreferred = 128\n")},
+                        {notify_socket()});
+  EXPECT_TRUE(manager.comes("STATUS=J1939: has address 128; bus node (sim) at 250000 bit/s"));
+}
+
 TEST_F(ServiceTest, NamesWhoDoesNotAnswer) {
   const NotifySocket manager(folder_ / "notify");
   const std::string file = write("line.toml", std::string("[startup]\nenable = \"any\"\n") + kTwoSlaves);

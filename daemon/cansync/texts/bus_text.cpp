@@ -3,8 +3,7 @@
 #include <fmt/format.h>
 
 #include "cansync/dds/convert.h"
-#include "cansync/settings/timing.h"
-#include "daemon/bus/adapter_text.h"
+#include "daemon/status/bus_events.h"
 #include "daemon_config/bit_timing_check.h"
 #include "text/counts.h"
 
@@ -39,40 +38,15 @@ FaultWords words_of(BusFaultKind kind) {
 }  // namespace
 
 EventText describe_link(const LinkChanged& report, const Config& config, const can::LinkFacts& link) {
-  const std::string& interface = config.bus.interface;
-  const auto event = [&report](gateway_EventSeverity severity, EventCode code, std::string text) {
-    return EventText{severity, code, -1, std::move(text), report.when};
-  };
-  switch (report.to) {
-    case can::LinkState::up:
-      return event(gateway_SEVERITY_INFO, "interface_up",
-                   fmt::format("{} is up again; {} left out", interface,
-                               text::counted(report.left_out, "telegram was", "telegrams were")));
-    case can::LinkState::down:
-      return event(gateway_SEVERITY_ERROR, "interface_down",
-                   fmt::format("{} is down, nothing is sent; set it up with: {}", interface,
-                               set_up_command(config.bus, link)));
-    case can::LinkState::missing:
-      return event(gateway_SEVERITY_ERROR, "interface_missing",
-                   fmt::format("there is no CAN interface {}, nothing is sent; plug the adapter in, or load "
-                               "its driver",
-                               interface));
-    case can::LinkState::wrong_adapter:
-      return event(gateway_SEVERITY_ERROR, "wrong_adapter", wrong_adapter_text(config.bus, link));
-    case can::LinkState::wrong_bit_rate:
-      return event(
-          gateway_SEVERITY_ERROR, "wrong_bit_rate",
-          fmt::format("{} is set to {} bit/s instead of {}, nothing is sent; set it with: {}", interface,
-                      report.bits_per_second, cansync::slot_times(config.master.bit_rate).bits_per_second,
-                      bit_rate_command(config.bus)));
-    case can::LinkState::not_one_shot:
-      return event(
-          gateway_SEVERITY_ERROR, "not_one_shot",
-          fmt::format("{0} is not in one-shot mode, which bus.one_shot demands, nothing is sent; set it "
-                      "with: {1}",
-                      interface, one_shot_command(config.bus)));
-  }
-  return event(gateway_SEVERITY_ERROR, "interface_down", fmt::format("{} is in an unknown state", interface));
+  EventText event =
+      link_event({.link = report.to, .bits_per_second = report.bits_per_second}, config.bus, link);
+  if (report.to == can::LinkState::up)
+    event.text +=
+        fmt::format("; {} left out", text::counted(report.left_out, "telegram was", "telegrams were"));
+  // A line stands still without its master.
+  if (report.to == can::LinkState::listen_only) event.severity = gateway_SEVERITY_ERROR;
+  event.when = report.when;
+  return event;
 }
 
 EventText describe_fault(const BusFault& report) {

@@ -49,7 +49,7 @@ cansync_slave_ActionReceived action_received(const ActionReport& report) noexcep
 SlaveGateway::SlaveGateway(const SlaveRoleConfig& config, SlaveExchange& exchange,
                            const gateway::dds::Participant& participant, JournalSink& journal,
                            const DaemonIdentity& identity)
-    : GatewayBase(config, exchange, participant, journal, identity, {kSlaveProtocol}, 0),
+    : GatewayBase(config, exchange, participant, journal, identity, kSlaveProtocol, 0),
       identity_(identity),
       releases_(participant, signal_, events_, identity, exchange),
       application_(participant, signal_, events_, identity, config.status_parameter, exchange),

@@ -29,6 +29,23 @@ TEST(BitTiming, PresetsOfBothControllersFitTheirBitRates) {
   }
 }
 
+TEST(BitTiming, TheSamplePointIsThatOfTheProtocol) {
+  BusConfig bus = can_config(cansync::BitRate::kbit250).bus;
+  EXPECT_EQ(
+      bit_rate_command(bus),
+      "ip link set can0 down; ip link set can0 type can bitrate 250000 sample-point 0.600; ip link set can0 up");
+  bus.sample_point = 875;
+  EXPECT_EQ(
+      bit_rate_command(bus),
+      "ip link set can0 down; ip link set can0 type can bitrate 250000 sample-point 0.875; ip link set can0 up");
+  bus.sample_point = 0;
+  EXPECT_EQ(bit_rate_command(bus),
+            "ip link set can0 down; ip link set can0 type can bitrate 250000; ip link set can0 up");
+  bus.btr0 = 0x43;
+  bus.btr1 = 0x34;
+  EXPECT_EQ(wanted_sample_point(bus), 600) << "registers that were given count";
+}
+
 TEST(BitTiming, RegistersOfAnotherBitRateAreRefusedWithThoseThatFit) {
   Config config = can_config();
   config.bus.btr0 = 0x43;
@@ -172,6 +189,13 @@ TEST(BusEvents, NobodyAcknowledges) {
   EXPECT_EQ(over.text, "telegrams are on the bus again; 6 were handed over in vain, 70 were left out");
   EXPECT_EQ(describe_link({{}, can::LinkState::up, can::LinkState::not_one_shot, 0, 0}, config).code,
             "not_one_shot");
+  const EventText listens =
+      describe_link({{}, can::LinkState::up, can::LinkState::listen_only, 0, 0}, config);
+  EXPECT_EQ(listens.code, "listen_only");
+  EXPECT_EQ(
+      listens.text,
+      "can0 is in listen-only mode: frames are received, nothing is sent; to send, set it with: ip link set "
+      "can0 down && ip link set can0 type can listen-only off && ip link set can0 up");
 }
 
 TEST(BusEvents, FaultsBeginAndEnd) {

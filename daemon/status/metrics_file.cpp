@@ -1,4 +1,4 @@
-#include "daemon/desk/metrics_file.h"
+#include "daemon/status/metrics_file.h"
 
 #include <fmt/format.h>
 #include <pthread.h>

@@ -1,4 +1,4 @@
-#include "daemon/desk/metrics_file.h"
+#include "daemon/status/metrics_file.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

@@ -1,13 +1,13 @@
-#include "daemon/cansync/status/status_line.h"
+#include "daemon/cansync/status/status_text.h"
 
 #include <fmt/format.h>
 
 #include <string_view>
 
-#include "can/bus_names.h"
 #include "cansync/settings/mode.h"
 #include "cansync/settings/timing.h"
 #include "daemon/cansync/state_text.h"
+#include "daemon/status/status_line.h"
 #include "text/counts.h"
 
 namespace cansyncd {
@@ -29,34 +29,6 @@ std::string missing_slaves(const MasterSnapshot& master, const Config& config) {
   return "; no answer from " + names;
 }
 
-std::string link_problem(const MasterSnapshot& master, const Config& config) {
-  const std::string& interface = config.bus.interface;
-  switch (master.controller.link) {
-    case can::LinkState::up:
-      break;
-    case can::LinkState::missing:
-      return fmt::format("waiting for interface {}: it is missing", interface);
-    case can::LinkState::down:
-      return fmt::format("waiting for interface {}: it is down", interface);
-    case can::LinkState::wrong_adapter:
-      return fmt::format("nothing is sent: interface {} has another adapter than bus.adapter", interface);
-    case can::LinkState::wrong_bit_rate:
-      return fmt::format("nothing is sent: interface {} has another bit rate than the configured one",
-                         interface);
-    case can::LinkState::not_one_shot:
-      return fmt::format("nothing is sent: interface {} is not in one-shot mode", interface);
-  }
-  if (master.controller.delivery != can::Delivery::normal) {
-    return fmt::format(
-        "nobody on the bus of interface {} acknowledges: check cable, terminating resistors and the power of "
-        "the drives",
-        interface);
-  }
-  if (master.controller.state == can::ControllerState::bus_off)
-    return fmt::format("nothing is sent: the controller of {} is bus-off", interface);
-  return {};
-}
-
 /// What to do about another master; empty when none keeps the daemon from sending.
 std::string other_master_problem(const MasterSnapshot& master, const Config& config) {
   const std::string state = state_text(master);
@@ -70,7 +42,7 @@ std::string other_master_problem(const MasterSnapshot& master, const Config& con
 }  // namespace
 
 std::string status_text(const MasterSnapshot& master, const Config& config) {
-  if (std::string problem = link_problem(master, config); !problem.empty()) return problem;
+  if (std::string problem = bus_problem(master.controller, config.bus); !problem.empty()) return problem;
   if (std::string problem = other_master_problem(master, config); !problem.empty()) return problem;
   const auto& times = cansync::slot_times(config.master.bit_rate);
   return fmt::format("{}: {}{}; bus {} ({}) at {} bit/s{}", state_text(master),
@@ -79,17 +51,6 @@ std::string status_text(const MasterSnapshot& master, const Config& config) {
                                       "slaves respond"),
                      missing_slaves(master, config), config.bus.name, config.bus.interface,
                      times.bits_per_second, master.second_master ? "; another master sends" : "");
-}
-
-std::optional<StatusLine::Time> StatusLine::step(const MasterSnapshot& master, const Config& config,
-                                                 Time now) {
-  if (last_ && now - *last_ < kPeriod) return *last_ + kPeriod;
-  std::string text = status_text(master, config);
-  if (text == told_) return std::nullopt;
-  told_ = std::move(text);
-  last_ = now;
-  tell_(told_);
-  return std::nullopt;
 }
 
 }  // namespace cansyncd

@@ -1,4 +1,4 @@
-#include "daemon/cansync/status/status_line.h"
+#include "daemon/status/status_line.h"
 
 #include <gtest/gtest.h>
 
@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/cansync/status/status_text.h"
 #include "daemon/service/heartbeat.h"
 
 namespace {
@@ -63,6 +64,20 @@ TEST(StatusText, TellsFirstWhatKeepsTheLineFromRunning) {
   EXPECT_EQ(status_text(master, line_of(2)), "nothing is sent: the controller of can0 is bus-off");
 }
 
+TEST(BusSentence, OfEveryProtocolSaysFirstWhatKeepsItFromSending) {
+  const BusConfig bus = line_of(1).bus;
+  can::ControllerStatus controller;
+  EXPECT_EQ(bus_sentence("J1939: has address 128", controller, bus),
+            "J1939: has address 128; bus line (can0) at 1000000 bit/s");
+  controller.delivery = can::Delivery::unacknowledged;
+  EXPECT_EQ(
+      bus_sentence("J1939: has address 128", controller, bus),
+      "nobody on the bus of interface can0 acknowledges: check cable, terminating resistors and the power of "
+      "the other nodes");
+  controller.link = can::LinkState::listen_only;
+  EXPECT_EQ(bus_sentence("run", controller, bus), "nothing is sent: interface can0 is in listen-only mode");
+}
+
 TEST(StatusText, TellsOfAnotherMaster) {
   MasterSnapshot master = active_with(1);
   master.second_master = true;
@@ -97,15 +112,17 @@ TEST(StatusText, TellsFirstThatAnotherMasterKeepsItSilent) {
 TEST(StatusLine, IsToldOnTheEdgeAndAtMostOnceASecond) {
   std::vector<std::string> told;
   StatusLine line([&](const std::string& text) { told.push_back(text); });
-  const Config config = line_of(2);
   const StatusLine::Time start{};
-  EXPECT_FALSE(line.step(active_with(0b11), config, start));
+  const auto step = [&](const char* text, StatusLine::Time now) {
+    return line.step([text] { return std::string(text); }, now);
+  };
+  EXPECT_FALSE(step("run", start));
   EXPECT_EQ(told.size(), 1U);
-  EXPECT_EQ(line.step(active_with(0b01), config, start + 400ms), start + 1s);
+  EXPECT_EQ(step("stop", start + 400ms), start + 1s);
   EXPECT_EQ(told.size(), 1U);
-  EXPECT_FALSE(line.step(active_with(0b01), config, start + 1s));
+  EXPECT_FALSE(step("stop", start + 1s));
   EXPECT_EQ(told.size(), 2U);
-  EXPECT_FALSE(line.step(active_with(0b01), config, start + 5s));
+  EXPECT_FALSE(step("stop", start + 5s));
   EXPECT_EQ(told.size(), 2U);
 }
 
