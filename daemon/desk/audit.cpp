@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <openssl/evp.h>
 
+#include <algorithm>
 #include <array>
+#include <utility>
 
 #include "text/counts.h"
 
@@ -12,12 +14,18 @@ namespace {
 
 constexpr std::chrono::seconds kWindow{1};
 
-std::string line_of(const Requester& who, const Change& change, const std::string& before,
-                    const std::string& result) {
+std::string line_of(const RequestSeries::Sum& sum) {
+  const RecordedRequest& request = sum.newest;
+  const Change& change = request.change;
   std::string line(change.action);
   if (change.slave >= 0) line += " " + change.slave_text();
   if (!change.what.empty()) line += " " + change.what;
-  return fmt::format("{} = {} (before: {}) by {}: {}", line, change.new_value, before, who.label, result);
+  line += fmt::format(" = {} (before: {}) by {}: {}", change.new_value, request.before, request.who.label,
+                      request.result);
+  if (sum.within > std::chrono::seconds(0))
+    line += fmt::format(" (the last of {} more within {} s{})", sum.count, sum.within.count(),
+                        sum.several ? ", of several" : "");
+  return line;
 }
 
 }  // namespace
@@ -39,15 +47,24 @@ std::string hash_text(const std::uint8_t* data, std::size_t size) {
 
 void AuditTrail::ended(const Requester& who, const Change& change, const std::string& before, const End& end,
                        SteadyTime now) {
-  write({who, change, before, std::string(end.outcome),
-         end.done ? EventCode("request_done") : EventCode("request_failed")},
-        now);
+  record({who, change, before, std::string(end.outcome),
+          end.done ? EventCode("request_done") : EventCode("request_failed")},
+         now);
 }
 
 void AuditTrail::refused(const Requester& who, const Change& change, const std::string& before,
                          const gateway::dds::Denial& denial, SteadyTime now) {
-  if (may_record_refusal(now))
-    write({who, change, before, "refused: " + text_of(denial), "request_refused"}, now);
+  record({who, change, before, "refused: " + text_of(denial), "request_refused"}, now);
+}
+
+void AuditTrail::record(RecordedRequest request, SteadyTime now) {
+  const bool refused = request.code == "request_refused";
+  std::optional<RequestSeries::Sum> sum;
+  if (each_ || request.change.series.empty())
+    sum = RequestSeries::Sum{std::move(request)};
+  else
+    sum = series_.add(std::move(request), now);
+  if (sum && (!refused || may_record_refusal(now))) write(*sum, now);
 }
 
 bool AuditTrail::may_record_refusal(SteadyTime now) {
@@ -65,36 +82,49 @@ bool AuditTrail::may_record_refusal(SteadyTime now) {
 }
 
 std::optional<SteadyTime> AuditTrail::tick(SteadyTime now) {
-  if (not_recorded_ == 0) return std::nullopt;
-  if (now - window_ < kWindow) return window_ + kWindow;
+  for (const RequestSeries::Sum& sum : series_.take(now)) write(sum, now);
+  const auto series_due = series_.next();
+  if (not_recorded_ == 0) return series_due;
+  if (now - window_ < kWindow) return std::min(window_ + kWindow, series_due.value_or(SteadyTime::max()));
+  tell_not_recorded();
+  return series_due;
+}
+
+void AuditTrail::tell_not_recorded() {
   journal_.write(LogPriority::notice, "requests_not_recorded",
                  fmt::format("{} refused within a second and not recorded one by one",
                              text::counted(not_recorded_, "more request was", "more requests were")),
                  {{"BUS", bus_}, {"CANSYNC_REFUSED", std::to_string(not_recorded_)}});
   not_recorded_ = 0;
-  return std::nullopt;
 }
 
-void AuditTrail::write(const Entry& entry, SteadyTime now) {
-  const Change& change = entry.change;
-  std::string line = line_of(entry.who, change, entry.before, entry.result);
+void AuditTrail::finish(SteadyTime now) {
+  for (const RequestSeries::Sum& sum : series_.take(now, true)) write(sum, now);
+  if (not_recorded_ != 0) tell_not_recorded();
+}
+
+void AuditTrail::write(const RequestSeries::Sum& sum, SteadyTime now) {
+  const RecordedRequest& request = sum.newest;
+  const Change& change = request.change;
+  std::string line = line_of(sum);
   const auto number = [](int value) { return value < 0 ? std::string() : std::to_string(value); };
-  journal_.write(LogPriority::notice, entry.code, line,
+  journal_.write(LogPriority::notice, request.code, line,
                  {{"BUS", bus_},
                   {"SLAVE", number(change.slave)},
                   {"PARAMETER", number(change.parameter)},
-                  {"CLIENT", entry.who.name},
-                  {"CANSYNC_PARTICIPANT", entry.who.participant},
-                  {"CANSYNC_REQUEST", std::to_string(entry.who.request)},
+                  {"CLIENT", request.who.name},
+                  {"CANSYNC_PARTICIPANT", request.who.participant},
+                  {"CANSYNC_REQUEST", std::to_string(request.who.request)},
                   {"CANSYNC_ACTION", std::string(change.action)},
                   {"CANSYNC_WHAT", change.what},
-                  {"CANSYNC_OLD", entry.before},
+                  {"CANSYNC_OLD", request.before},
                   {"CANSYNC_NEW", change.new_value},
-                  {"CANSYNC_RESULT", entry.result}});
-  EventText event{entry.code == "request_done" ? gateway_SEVERITY_INFO : gateway_SEVERITY_WARNING, entry.code,
-                  change.slave < slaves_ ? change.slave : -1, std::move(line), std::nullopt};
-  event.request = RequestRecord{entry.who.name, entry.who.participant, change.action,
-                                entry.before,   change.new_value,      entry.result};
+                  {"CANSYNC_RESULT", request.result},
+                  {"CANSYNC_COUNT", std::to_string(sum.count)}});
+  EventText event{request.code == "request_done" ? gateway_SEVERITY_INFO : gateway_SEVERITY_WARNING,
+                  request.code, change.slave < slaves_ ? change.slave : -1, std::move(line), std::nullopt};
+  event.request = RequestRecord{request.who.name, request.who.participant, change.action,
+                                request.before,   change.new_value,        request.result};
   events_.publish(event, now);
 }
 

@@ -161,7 +161,9 @@ void JobDesk<P>::accept(const typename Row::Sample& sample, Job job, Right right
   open_requests_.touch();
   make_way_for(job.request, context);
   book_.open(job.key, id, job.data.size());
-  lanes_.add(id, job.key.client, protocol_.lane_of(job.request));
+  unsigned weight = 1;
+  if constexpr (requires { P::weight_of(job.request); }) weight = P::weight_of(job.request);
+  lanes_.add(id, job.key.client, protocol_.lane_of(job.request), weight);
   jobs_.emplace(id, std::move(job));
 }
 

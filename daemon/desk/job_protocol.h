@@ -62,6 +62,7 @@
 ///     std::string_view name(outcome);   // for the audit trail
 ///     bool is_done(outcome);            // as it was asked for
 ///   and what not every protocol has:
+///     unsigned weight_of(request);      // what it counts for its client in its lane, over 0; else 1
 ///     using StateBefore; StateBefore state(context);     // kept with a request for `before`
 ///     std::string before(request, state_before);         // the value it would replace; else "not known"
 ///     void ended(request, outcome);                      // after its entry in the audit trail

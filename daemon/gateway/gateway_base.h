@@ -7,23 +7,29 @@
 #include <initializer_list>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "can/bus.h"
 #include "can/link_facts.h"
+#include "daemon/bus/bus_obstacle.h"
 #include "daemon/desk/audit.h"
 #include "daemon/desk/event_text.h"
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/gateway_thread.h"
 #include "daemon/desk/second_daemon.h"
 #include "daemon/gateway/gateway_network.h"
+#include "daemon/gateway/loss_row.h"
 #include "daemon/service/daemon_identity.h"
 #include "daemon/service/journal.h"
 #include "daemon/service/new_configuration.h"
 #include "daemon/service/pending_restart.h"
+#include "daemon/service/service.h"
 #include "daemon/service/surroundings.h"
 #include "daemon/status/bus_events.h"
 #include "daemon/status/common_status.h"
 #include "daemon/status/metrics_desk.h"
+#include "daemon/status/status_line.h"
 #include "dds/participant.h"
 #include "dds/signal.h"
 
@@ -98,16 +104,17 @@ class GatewayBase {
 
  protected:
   /// Sets up the topics of every protocol; nothing is taken or published before `start`. `exchange`,
-  /// `participant` and `journal` must outlive the gateway. `identity`: of this start; `slaves`: numbers that
-  /// requests can be for. Throws gateway::dds::SetupError.
+  /// `participant` and `journal` must outlive the gateway. `identity`: of this start; `protocol`: as
+  /// bus.protocol names it; `slaves`: numbers that requests can be for. Throws gateway::dds::SetupError.
   GatewayBase(const Config& config, Exchange& exchange, const gateway::dds::Participant& participant,
-              JournalSink& journal, const DaemonIdentity& identity, const ProtocolFacts& protocol, int slaves)
+              JournalSink& journal, const DaemonIdentity& identity, std::string_view protocol, int slaves)
       : config_(config),
         exchange_(exchange),
         events_(participant, journal, config.bus.name),
         common_(participant, events_, config, protocol, identity),
         second_daemon_(participant, signal_, events_, config.bus.name, identity),
         trail_(journal, events_, config.bus.name, slaves),
+        status_line_([bus = config.bus.name](const std::string& text) { service::status(bus, text); }),
         network_(participant, events_, common_),
         thread_(
             exchange.gateway_wake, signal_,
@@ -123,8 +130,11 @@ class GatewayBase {
             },
             [this] {
               end();
+              trail_.finish(std::chrono::steady_clock::now());
               events_.finish(std::chrono::steady_clock::now());
-            }) {}
+            }) {
+    trail_.set_record_each(config.access.record_each);
+  }
   ~GatewayBase() = default;
 
   /// One pass over everything that may have come; returns when the next is due at the latest. The readers are
@@ -143,6 +153,7 @@ class GatewayBase {
     config_.access = taken->access;
     config_.dds.request_max_age = taken->dds.request_max_age;
     common_.set_access(config_.access);
+    trail_.set_record_each(config_.access.record_each);
     tell_reloaded(now);
     return true;
   }
@@ -154,6 +165,18 @@ class GatewayBase {
   /// Tells as events what changed of bus and controller.
   void tell_bus(const can::ControllerStatus& from, const can::ControllerStatus& to, SteadyTime now) {
     for (const EventText& event : bus_events(from, to, config_.bus, link())) events_.publish(event, now);
+  }
+
+  /// Tells as events what found no room on the bus. While the bus cannot be used nothing has: that has an event of its
+  /// own.
+  void tell_left_out(LossRow& row, std::uint64_t left_out, const can::ControllerStatus& controller,
+                     SteadyTime now) {
+    constexpr std::chrono::milliseconds kRoomAgain{500};
+    // What was left out until it ended is counted in this pass, or later.
+    const bool blocked = obstacle_of(controller) != can::Obstacle::none;
+    if (std::exchange(was_blocked_, blocked) || blocked) room_again_ = now + kRoomAgain;
+    if (now < room_again_) row.pass_over(left_out);
+    row.tell(left_out, events_, now);
   }
 
   /// The interface as the thread that watches it found it last: not older than what the realtime thread
@@ -198,6 +221,7 @@ class GatewayBase {
   NewConfiguration<Surroundings> new_surroundings_;
   NewConfiguration<PendingRestart> new_pending_restart_;
   PostedEvents posted_;
+  StatusLine status_line_;
 
  private:
   void take_surroundings(const Surroundings& around) {
@@ -216,6 +240,8 @@ class GatewayBase {
   }
 
   std::atomic<bool> in_run_{false};
+  SteadyTime room_again_;
+  bool was_blocked_ = false;  ///< the bus could not be used, in the pass before
   can::LinkFacts link_;
   GatewayNetwork network_;
   GatewayThread thread_;

@@ -114,6 +114,7 @@ inline constexpr EventKind kEventKinds[] = {
     {"interface_missing", "1fe482f047ca497bb0c7cafb072b4a4b"},
     {"wrong_adapter", "dc8121735ba148c685e6c4634311eaa0"},
     {"wrong_bit_rate", "cf6a76d6b3c842c0bdc2611614106605"},
+    {"listen_only", "3931817e97384a019c399602e19bb586"},
     {"not_one_shot", "8b7f0f256679406bace8bd8946fae098"},
     {"not_delivered", "242e264ee13b4abe874444ee43028739"},
     {"not_emptied", "b0f0de088c314467960e76f0056ab510"},

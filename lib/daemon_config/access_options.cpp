@@ -25,7 +25,21 @@ constexpr auto kAccessRows = std::to_array<DaemonRow>({
                     "read-only, outside its limits, or too wide for its format."))),
 });
 
+constexpr auto kRecordRows = std::to_array<DaemonRow>({
+    field(
+        [](auto& c) -> auto& { return c.access.record_each; },
+        reloadable(
+            boolean("access.record_each",
+                    "Write each request to send into the journal. false: what a client sends again and "
+                    "again has an entry when it begins, one each minute, and one when it ends, with the "
+                    "number of requests and the newest data."))),
+});
+
 }  // namespace
+
+std::span<const DaemonRow> rows::record_options() {
+  return kRecordRows;
+}
 
 std::span<const DaemonRow> rows::access_options() {
   return kAccessRows;

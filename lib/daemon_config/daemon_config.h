@@ -39,6 +39,8 @@ struct BusConfig {
   std::optional<std::uint8_t> btr0;  ///< bit timing registers of the controller the line was set up with;
   std::optional<std::uint8_t> btr1;  ///< both or none
   can::Controller registers_of = can::Controller::plc;  ///< whose clock the registers count in
+  /// Sample point of the protocol's nodes, in 1/1000 of a bit; 0: any. Nothing: of the PLC's preset (M 4.9).
+  std::optional<std::uint16_t> sample_point;
 };
 
 /// What to do when the realtime thread cannot get what it asks for.
@@ -122,6 +124,7 @@ struct DdsConfig {
 struct AccessConfig {
   bool read_only = false;     ///< refuse every request that would change a drive or the line
   bool profile_rules = true;  ///< refuse writes that the slave's profile does not allow
+  bool record_each = false;   ///< each of a client's repeated requests to send has an entry of its own
 };
 
 /// The simulated line; looked at only with `BusKind::simulated`.

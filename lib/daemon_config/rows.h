@@ -20,6 +20,7 @@ namespace rows {
 
 std::span<const DaemonRow> daemon_options();   ///< bus, realtime, recorder, dds, sim
 std::span<const DaemonRow> access_options();   ///< access
+std::span<const DaemonRow> record_options();   ///< access, of protocols whose clients send again and again
 std::span<const DaemonRow> metrics_options();  ///< metrics
 std::span<const DaemonRow> sync_options();     ///< sync
 

@@ -10,8 +10,7 @@
 #include "daemon/cansync/requests/access.h"
 #include "daemon/cansync/requests/gateway_requests.h"
 #include "daemon/cansync/status/master_metrics.h"
-#include "daemon/service/service.h"
-#include "daemon_config/bit_timing_check.h"
+#include "daemon/cansync/status/status_text.h"
 
 namespace cansyncd {
 namespace {
@@ -33,15 +32,13 @@ void take_changeable(const Config& to, Config& config) {
 
 Gateway::Gateway(const Config& config, Exchange& exchange, const gateway::dds::Participant& participant,
                  JournalSink& journal, const DaemonIdentity& identity)
-    : GatewayBase(config, exchange, participant, journal, identity,
-                  {kMasterProtocol, wanted_sample_point(config.bus)}, cansync::kSlaves),
+    : GatewayBase(config, exchange, participant, journal, identity, kMasterProtocol, cansync::kSlaves),
       state_(participant, config, identity),
       audit_(trail_, config),
       failsafe_(events_, audit_, config),
       references_(participant, signal_, events_, config, identity, exchange_),
       jobs_(participant, signal_, events_, trail_, CansyncRequests(config, audit_), identity,
-            !config.dds.security.empty()),
-      status_line_([bus = config.bus.name](const std::string& text) { service::status(bus, text); }) {
+            !config.dds.security.empty()) {
   state_.set_givers(references_.givers());
   jobs_.set_read_by_all(common_.gateway_writer());
 }
@@ -102,7 +99,7 @@ SteadyTime Gateway::pass(bool samples_may_wait) {
                   jobs_, now);
   return earliest(std::min(due, common_due),
                   {jobs_.retry(jobs), references_due, failsafe_due, tell_syncs(now),
-                   status_line_.step(master, config_, now)},
+                   status_line_.step([&] { return status_text(master, config_); }, now)},
                   now);
 }
 

@@ -9,7 +9,6 @@
 #include "daemon/cansync/requests/protocol.h"
 #include "daemon/cansync/requests/request_audit.h"
 #include "daemon/cansync/status/gateway_state.h"
-#include "daemon/cansync/status/status_line.h"
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/job_desk.h"
 #include "daemon/gateway/gateway_base.h"
@@ -57,7 +56,6 @@ class Gateway final : public GatewayBase<Config, Exchange> {
   ReferenceInput references_;
   JobDesk<CansyncRequests> jobs_;
   FaultRow missed_syncs_{kSyncQuiet};
-  StatusLine status_line_;
 };
 
 }  // namespace cansyncd

@@ -26,7 +26,7 @@ constexpr unsigned kMessageBatchesAtOnce = 16;
 MessageGateway::MessageGateway(const J1939Config& config, J1939Exchange& exchange,
                                const gateway::dds::Participant& participant, JournalSink& journal,
                                const DaemonIdentity& identity)
-    : GatewayBase(config, exchange, participant, journal, identity, {kJ1939Protocol}, 0),
+    : GatewayBase(config, exchange, participant, journal, identity, kJ1939Protocol, 0),
       jobs_(participant, signal_, events_, trail_, MessageRequests(config.send, config.transport.most_bytes),
             identity, !config.dds.security.empty()),
       batches_(participant, 0, &signal_),
@@ -68,8 +68,32 @@ SteadyTime MessageGateway::pass(bool samples_may_wait) {
     if (jobs_.take_requests(jobs)) signal_.raise();
   }
   const SteadyTime status_due = publish_status(now);
-  const SteadyTime due = earliest(status_due, {jobs_.retry(jobs), losses_.next(), left_out_.next()}, now);
+  const SteadyTime due = earliest(
+      status_due,
+      {jobs_.retry(jobs), losses_.next(), left_out_.next(),
+       status_line_.step([this] { return bus_sentence(state_text(), bus_.controller, config_.bus); }, now)},
+      now);
   return more_messages ? now : due;
+}
+
+std::string MessageGateway::state_text() const {
+  const auto with = [this](std::string text) {
+    if (losses_.next()) text += "; received messages are lost";
+    if (left_out_.next()) text += "; groups of [[provide]] are left out";
+    return text;
+  };
+  if (bus_.name_twice) return with("no address, nothing is sent: another node has the NAME of the daemon");
+  switch (bus_.claim) {
+    case j1939::ClaimState::listening:
+      return with("J1939: listens without an address");
+    case j1939::ClaimState::claiming:
+      return with(fmt::format("J1939: claims address {}", bus_.address));
+    case j1939::ClaimState::claimed:
+      return with(fmt::format("J1939: has address {}", bus_.address));
+    case j1939::ClaimState::cannot_claim:
+      break;
+  }
+  return with("no address, nothing is sent: another node has address.preferred");
 }
 
 void MessageGateway::take_answers(const MessageContext& context) {
@@ -190,7 +214,7 @@ SteadyTime MessageGateway::publish_status(SteadyTime now) {
   }
   publish_addresses();
   losses_.tell(bus_.lost + unwritten_, events_, now);
-  left_out_.tell(bus_.groups_left_out, events_, now);
+  tell_left_out(left_out_, bus_.groups_left_out, bus_.controller, now);
   const SteadyTime common_due = tell_common({.controller = bus_.controller,
                                              .timestamps = bus_.timestamps,
                                              .in_run = bus_.claim == j1939::ClaimState::claimed},

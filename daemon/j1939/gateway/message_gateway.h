@@ -45,6 +45,8 @@ class MessageGateway final : public GatewayBase<J1939Config, J1939Exchange> {
   void end() override;
   std::string metrics_text(std::uint64_t write_failures) const override;
 
+  /// How the node is, for `systemctl status`.
+  std::string state_text() const;
   void take_answers(const MessageContext& context);
   /// True: there may be more.
   bool publish_messages();

@@ -27,8 +27,8 @@ std::optional<Change> MessageRequests::change_of(const j1939_MessageRequest& sam
     return change;
   }
   const auto bytes = j1939::dds::bytes_of(sample);
-  change.new_value =
-      fmt::format("PGN 0x{:05X} to {}, {}", sample.pgn, destination, text::counted(bytes, "byte"));
+  change.series = fmt::format("PGN 0x{:05X} to {}", sample.pgn, destination);
+  change.new_value = fmt::format("{}, {}", change.series, text::counted(bytes, "byte"));
   for (unsigned i = 0; i < sample.data._length && i < kShown; ++i)
     change.new_value += fmt::format("{}{:02X}", i == 0 ? ": " : " ", sample.data._buffer[i]);
   if (bytes > kShown) change.new_value += " ..";

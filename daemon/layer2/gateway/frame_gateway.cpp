@@ -52,7 +52,7 @@ void fill_module(const BusSnapshot& bus, layer2_FrameStatus& sample) {
 FrameGateway::FrameGateway(const Layer2File& file, Layer2Exchange& exchange,
                            const gateway::dds::Participant& participant, JournalSink& journal,
                            const DaemonIdentity& identity)
-    : GatewayBase(file.config, exchange, participant, journal, identity, {kLayer2Protocol}, 0),
+    : GatewayBase(file.config, exchange, participant, journal, identity, kLayer2Protocol, 0),
       running_(file),
       jobs_(participant, signal_, events_, trail_, SendRequests(running_), identity,
             !config_.dds.security.empty()),
@@ -106,8 +106,17 @@ SteadyTime FrameGateway::pass(bool samples_may_wait) {
   const SteadyTime status_due = publish_status(now);
   const SteadyTime due = earliest(
       status_due,
-      {jobs_.retry(jobs), losses_.next(), left_out_.next(), image_gate_.tick(now), lead_.tick(now)}, now);
+      {jobs_.retry(jobs), losses_.next(), left_out_.next(), image_gate_.tick(now), lead_.tick(now),
+       status_line_.step([this] { return bus_sentence(state_text(), bus_.controller, config_.bus); }, now)},
+      now);
   return more_frames ? now : due;
+}
+
+std::string FrameGateway::state_text() const {
+  std::string text = bus_.facts.running ? "run: general frames" : "stop: general frames";
+  if (!image_gate_.owner().empty()) text += "; the image is written by " + image_gate_.owner();
+  if (losses_.next()) text += "; received frames are lost";
+  return text;
 }
 
 void FrameGateway::take_answers(const SendContext& context) {
@@ -161,9 +170,9 @@ SteadyTime FrameGateway::publish_status(SteadyTime now) {
   const can::ControllerStatus before = bus_.controller;
   if (exchange_.status.read(bus_)) tell_bus(before, bus_.controller, now);
   losses_.tell(bus_.lost + unwritten_, events_, now);
-  left_out_.tell(newest_image_.left_out, events_, now);
   publish_timers(now >= next_status_);
   publish_image(now);
+  tell_left_out(left_out_, newest_image_.left_out, bus_.controller, now);
   publish_objects();
   const SteadyTime common_due = tell_common(
       {.controller = bus_.controller, .timestamps = bus_.timestamps, .in_run = bus_.facts.running}, jobs_,

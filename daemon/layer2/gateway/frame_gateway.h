@@ -50,6 +50,8 @@ class FrameGateway final : public GatewayBase<Layer2Config, Layer2Exchange> {
   void end() override;
   std::string metrics_text(std::uint64_t write_failures) const override;
 
+  /// How the bus is, for `systemctl status`.
+  std::string state_text() const;
   void take_answers(const SendContext& context);
   /// True: there may be more.
   bool publish_frames();

@@ -32,6 +32,7 @@ std::optional<Change> SendRequests::change_of(const layer2_SendRequest& sample, 
   change.new_value = check(sample) ? fmt::format("identifier 0x{:X}, {}", sample.content.identifier,
                                                  text::counted(sample.content.length, "byte"))
                                    : frame_text(layer2::dds::to_core(sample.content)) + more;
+  change.series = fmt::format("0x{:X}{}", sample.content.identifier, sample.content.extended ? "x" : "");
   return change;
 }
 
@@ -51,8 +52,10 @@ std::optional<Change> SendRequests::change_of(const layer2_ControlRequest& sampl
   }
   if (sample.kind == layer2_CONTROL_CONFIGURE)
     change.new_value = text::counted(sample.data._length, "byte") + " of configuration";
-  if (sample.kind == layer2_CONTROL_WRITE_IMAGE)
+  if (sample.kind == layer2_CONTROL_WRITE_IMAGE) {
     change.new_value = fmt::format("{} from byte {} on", text::counted(sample.size, "byte"), sample.address);
+    change.series = change.action;
+  }
   return change;
 }
 
@@ -68,6 +71,7 @@ std::optional<Change> SendRequests::change_of(const layer2_ObjectRequest& sample
     case layer2_OBJECT_SEND:
       change.action = "object_send";
       change.new_value = object;
+      change.series = object;
       if (!check(sample)) change.new_value += " " + frame_text(layer2::dds::to_core(sample.content));
       if (sample.on_remote)
         change.new_value += sample.every_time ? ", for remote frames" : ", for a remote frame";
@@ -80,6 +84,7 @@ std::optional<Change> SendRequests::change_of(const layer2_ObjectRequest& sample
       if (!sample.ask) return std::nullopt;  // nothing is sent
       change.action = "object_ask";
       change.new_value = object;
+      change.series = object;
       break;
     default:
       change.action = "object";
@@ -151,7 +156,12 @@ LaneLimits SendRequests::lane_limits() const {
   const unsigned normal = deletes ? kRoom : send.queue;
   const unsigned high = deletes ? kRoom : send.high_queue;
   // An object that has a job refuses another, so none waits here.
-  return {{normal, normal}, {high, high}, {16, 16}, {kRoom, kRoom}};
+  return {{normal, normal, kFramesOfClient}, {high, high, kFramesOfClient}, {16, 16}, {kRoom, kRoom}};
+}
+
+unsigned SendRequests::weight_of(const Request& request) noexcept {
+  const auto* order = std::get_if<layer2::SendOrder>(&request.job);
+  return order == nullptr ? 1 : static_cast<unsigned>(order->following.size()) + 1;
 }
 
 Lane SendRequests::lane_of(const Request& request) noexcept {

@@ -122,8 +122,12 @@ class SendRequests {
   /// `running` must outlive the object.
   explicit SendRequests(RunningConfiguration& running) : running_(running) {}
 
-  /// All frames of a priority share one queue of the station; clients take turns in it. A queue that deletes
-  /// the oldest must be able to overflow.
+  /// Frames of one client that are given to a queue at a time: those of the longest request, and as many as a client
+  /// may have requests open.
+  static constexpr unsigned kFramesOfClient = layer2_BATCH;
+
+  /// All frames of a priority share one queue of the station; clients take turns in it, and nobody waits for more than
+  /// `kFramesOfClient` of each. A queue that deletes the oldest must be able to overflow.
   LaneLimits lane_limits() const;
 
   static std::optional<Change> change_of(const layer2_SendRequest& sample, const SendContext& context);
@@ -145,6 +149,8 @@ class SendRequests {
   /// What is not allowed now, whoever asks.
   static gateway::dds::Problem objection(const Request& request, const SendContext& context);
   static Lane lane_of(const Request& request) noexcept;
+  /// Its frames.
+  static unsigned weight_of(const Request& request) noexcept;
   static Effect effect_of(const Request& request) noexcept {
     const bool sends = std::holds_alternative<layer2::SendOrder>(request.job);
     return {sends ? Right::operate : Right::engineer, true};
