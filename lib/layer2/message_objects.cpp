@@ -91,6 +91,8 @@ ObjectProblem MessageObjects::start(unsigned number, const ObjectJob& job, Time 
   if (!replaceable) return ObjectProblem::pending;
   ++changes_;
   object.job = job;
+  ++object.count.job_number;
+  object.count.job_sent = 0;
   object.phase = job.on_remote ? Phase::waits_for_remote : Phase::ready;
   object.told = JobState::none;
   object.asked_again = false;
@@ -157,6 +159,7 @@ bool MessageObjects::sent(unsigned number, std::uint32_t handing, Time end) noex
   }
   object.count.time = end;
   ++object.count.sent;
+  ++object.count.job_sent;
   end_job(object, JobState::done);
   if (!object.job.on_remote || !object.job.every_time) return true;
   object.phase = object.asked_again ? Phase::ready : Phase::waits_for_remote;

@@ -85,6 +85,8 @@ struct ObjectState {
   can::Frame frame;                    ///< what its job sends, or what it received last
   Time time{};                         ///< end of the frame that it sent or received last; 0: none yet
   std::uint64_t sent = 0;              ///< frames, since the start
+  std::uint64_t job_number = 0;        ///< of its job or its last one, from 1 on since the start; 0: none yet
+  std::uint64_t job_sent = 0;          ///< of `sent`, frames of that job
   std::uint64_t received = 0;          ///< likewise
   std::uint64_t overruns = 0;          ///< likewise: frames that came while it was full
 

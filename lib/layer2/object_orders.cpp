@@ -57,7 +57,9 @@ std::optional<ObjectAnswer> ObjectOrders::perform(const ObjectOrder& order, bool
     return answer;
   }
   answer.refusal = refusal_of(objects_.start(order.number, order.job, now));
-  if (answer.refusal != Refusal::none || order.job.on_remote) return answer;
+  if (answer.refusal != Refusal::none) return answer;
+  answer.job_number = objects_.state(order.number).job_number;
+  if (order.job.on_remote) return answer;
   if (jobs_ == 0) obstacle_ = Obstacle::none;
   open_[order.number] = {order.id, true, Time::max()};
   ++jobs_;
@@ -118,6 +120,7 @@ std::optional<ObjectAnswer> ObjectOrders::take_answer() noexcept {
     Open& open = open_[number];
     if (!open.used) continue;
     ObjectAnswer answer{.id = open.id, .outcome = Outcome::cancelled};
+    answer.job_number = objects_.state(number).job_number;
     switch (objects_.take_state(number)) {
       case JobState::under_way:
         if (stopped_) {

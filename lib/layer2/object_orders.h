@@ -47,6 +47,7 @@ struct ObjectAnswer {
   Obstacle obstacle = Obstacle::none;  ///< timeout: as of `Answer`
   Time time{};                         ///< end of the frame that was sent; 0: none
   bool fresh = false;                  ///< `read`: there was a frame
+  std::uint64_t job_number = 0;        ///< `send`: `ObjectState::job_number` that it was given
   ObjectReading reading;
 };
 

@@ -114,8 +114,14 @@ TEST(MessageObjects, L38ARemoteFrameIsAnsweredOnce) {
   EXPECT_EQ(objects.frame(2), data_frame(0x100, {8}));
   EXPECT_TRUE(objects.sent(2, objects.handed_over(2)));
   EXPECT_EQ(objects.take_state(2), JobState::done);
+  EXPECT_EQ(objects.state(2).job_number, 2u);
+  EXPECT_EQ(objects.state(2).job_sent, 1u);
   (void)objects.receive(remote(data_frame(0x100, {})));
   EXPECT_FALSE(objects.next());
+  ASSERT_EQ(objects.start(2, job(data_frame(0x100, {7}), true), Time{0}), ObjectProblem::none);
+  EXPECT_EQ(objects.state(2).job_number, 3u);
+  EXPECT_EQ(objects.state(2).job_sent, 0u) << "what the one before sent is not of this job";
+  EXPECT_EQ(objects.state(2).sent, 1u);
 }
 
 TEST(MessageObjects, L38ARemoteFrameIsAnsweredEachTime) {
@@ -135,6 +141,7 @@ TEST(MessageObjects, L38ARemoteFrameIsAnsweredEachTime) {
   (void)objects.receive(remote(data_frame(0x100, {})));
   EXPECT_TRUE(objects.sent(2, handing));
   EXPECT_EQ(objects.next(), 2u);
+  EXPECT_EQ(objects.state(2).job_sent, 4u);
 }
 
 TEST(MessageObjects, L39TheLowestNumberSendsFirst) {

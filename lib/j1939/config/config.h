@@ -46,6 +46,7 @@ struct J1939Config : DaemonConfig {
   /// What no option of a file says otherwise.
   J1939Config() {
     bus.bits_per_second = 250'000;
+    bus.sample_point = 875;  // J1939-11 and J1939-15
     // Frames of other nodes begin at any time: in one-shot mode the weaker is lost.
     bus.one_shot = OneShot::ignore;
     // Whoever gives no NAME takes nobody's address: the weakest there is.

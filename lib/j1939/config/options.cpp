@@ -231,6 +231,7 @@ const config::Rows<J1939Draft>& j1939_option_rows() {
       {{std::span<const DaemonRow>(kJ1939ProtocolRow), &J1939Draft::config},
        {std::span<const DaemonRow>(rows::without_intervals(rows::daemon_options())), &J1939Draft::config},
        {std::span<const DaemonRow>(rows::without_intervals(rows::access_options())), &J1939Draft::config},
+       {rows::record_options(), &J1939Draft::config},
        {rows::metrics_options(), &J1939Draft::config},
        std::span<const J1939Row>(kJ1939Rows)});
   return all;

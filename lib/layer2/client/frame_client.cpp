@@ -119,6 +119,7 @@ void FrameClient::take_replies(const std::function<void(std::uint64_t, const Sen
   object_replies_.take([&](const layer2_ObjectReply& reply) {
     hand_on(reply,
             SendResult{.sent_time = reply.time,
+                       .job_number = reply.job_number,
                        .fresh = reply.fresh,
                        .overrun = reply.overrun,
                        .content = dds::to_core(reply.content)},

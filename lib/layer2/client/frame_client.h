@@ -25,8 +25,9 @@ using Options = gateway::dds::ClientOptions;
 
 /// How a request ended.
 struct SendResult : gateway::dds::Ended {
-  std::int64_t sent_time = 0;  ///< done: CLOCK_REALTIME (ns) of the frame's last bit
-  std::uint32_t sent = 0;      ///< frames of the request that were seen on the bus
+  std::int64_t sent_time = 0;    ///< done: CLOCK_REALTIME (ns) of the frame's last bit
+  std::uint32_t sent = 0;        ///< frames of the request that were seen on the bus
+  std::uint64_t job_number = 0;  ///< of OBJECT_SEND: number of the job; 0: it was not taken
   // --- of OBJECT_READ
   bool fresh = false;    ///< there was a frame, whose last bit `sent_time` is
   bool overrun = false;  ///< another one came while the object was full

@@ -70,6 +70,7 @@ struct Layer2Config : DaemonConfig {
   /// What no option of a file says otherwise.
   Layer2Config() {
     bus.bits_per_second = 500'000;
+    bus.sample_point = 0;
     // Frames of other nodes begin at any time: in one-shot mode the weaker is lost.
     bus.one_shot = OneShot::ignore;
   }

@@ -366,6 +366,7 @@ const config::Rows<Layer2Draft>& layer2_option_rows() {
       {{std::span<const DaemonRow>(kProtocol), &Layer2Draft::config},
        {std::span<const DaemonRow>(rows::without_intervals(rows::daemon_options())), &Layer2Draft::config},
        {std::span<const DaemonRow>(rows::without_intervals(rows::access_options())), &Layer2Draft::config},
+       {rows::record_options(), &Layer2Draft::config},
        {rows::metrics_options(), &Layer2Draft::config},
        std::span<const Layer2Row>(kRows)});
   return all;

@@ -239,6 +239,7 @@ layer2_ObjectReply object_reply(const RequestKey& key, const ObjectAnswer& answe
   reply.code = to_reply_code(answer.outcome);
   copy_text(reason_of(answer.outcome, answer.obstacle), reply.reason);
   if (answer.outcome == Outcome::done) reply.time = time;
+  reply.job_number = answer.job_number;
   reply.fresh = answer.fresh;
   if (answer.fresh) {
     reply.overrun = answer.reading.overrun;
@@ -277,6 +278,8 @@ layer2_ObjectStatus object_status(unsigned number, const ObjectState& state, std
   out.sent = state.sent;
   out.received = state.received;
   out.overruns = state.overruns;
+  out.job_number = state.job_number;
+  out.job_sent = state.job_sent;
   return out;
 }
 

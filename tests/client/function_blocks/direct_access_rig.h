@@ -60,7 +60,7 @@ class DirectAccess : public FrameBlockTest {
     return call_until(state, [&] { return daemon->objects.size() >= times; });
   }
   void answer(std::size_t which, gateway_ReplyCode code, gateway_RefusalCause cause = gateway_CAUSE_NONE) {
-    daemon->reply(daemon->objects.at(which), {.code = code, .cause = cause});
+    daemon->reply(daemon->objects.at(which), {.code = code, .cause = cause, .job_number = which + 1});
   }
   /// As the daemon tells of the object that receives.
   void full(std::uint64_t number, std::uint8_t first, bool overrun = false, std::int64_t time = 0) {
@@ -70,11 +70,14 @@ class DirectAccess : public FrameBlockTest {
     status.time = time;
     daemon->tell(status);
   }
-  /// As the daemon tells of the object that sends.
-  void told(std::uint64_t frames, layer2_ObjectJob job, layer2_ObjectJobEnd end = layer2_OBJECT_END_DONE) {
+  /// As the daemon tells of the object that sends, whose job is its `number`th.
+  void told(std::uint64_t frames, layer2_ObjectJob job, layer2_ObjectJobEnd end = layer2_OBJECT_END_DONE,
+            std::uint64_t number = 1) {
     layer2_ObjectStatus status = {
         .number = kSends, .configured = true, .transmit = true, .job = job, .ended_as = end};
-    status.sent = frames;
+    status.sent = 100 + frames;  // of other jobs, too
+    status.job_number = number;
+    status.job_sent = frames;
     daemon->tell(status);
   }
   WORD retval(INT& input, INT value) {

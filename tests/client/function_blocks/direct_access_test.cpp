@@ -269,12 +269,50 @@ TEST_F(DirectAccess, L38OneAnswerToARemoteFrame) {
   EXPECT_EQ(start(), can_status::in_execution) << "another edge takes its place while nobody asks";
   ASSERT_TRUE(asked(2));
   answer(1, gateway_REPLY_DONE);
-  told(1, layer2_OBJECT_JOB_NONE);
+  told(1, layer2_OBJECT_JOB_NONE, layer2_OBJECT_END_DONE, 2);
   ASSERT_TRUE(call_until(send, [&] { return BOOL{send.Done}; }));
   EXPECT_EQ(sent.size(), 1u);
   send.call();
   EXPECT_FALSE(send.Done);
   EXPECT_EQ(send.Status, can_status::done);
+}
+
+TEST_F(DirectAccess, L38AnAnswerIsThatOfItsJob) {
+  begin();
+  send.RTR = true;
+  EXPECT_EQ(start(), can_status::in_execution);
+  ASSERT_TRUE(asked(1));
+  answer(0, gateway_REPLY_DONE);
+  told(0, layer2_OBJECT_JOB_HELD);
+  EXPECT_EQ(start(), can_status::in_execution) << "another job takes its place";
+  ASSERT_TRUE(asked(2));
+  // The first one was answered at that moment, which is told only now.
+  told(1, layer2_OBJECT_JOB_NONE);
+  answer(1, gateway_REPLY_DONE);
+  told(0, layer2_OBJECT_JOB_HELD, layer2_OBJECT_END_DONE, 2);
+  ASSERT_TRUE(call_until(state, [&] { return objects.open() == 0; }));
+  for (int i = 0; i < 20; ++i) {
+    send.call();
+    ASSERT_EQ(send.Status, can_status::in_execution);
+    ASSERT_FALSE(send.Done);
+  }
+  EXPECT_TRUE(sent.empty());
+  told(1, layer2_OBJECT_JOB_NONE, layer2_OBJECT_END_DONE, 2);
+  ASSERT_TRUE(call_until(send, [&] { return BOOL{send.Done}; }));
+  EXPECT_EQ(sent.size(), 1u);
+}
+
+TEST_F(DirectAccess, AJobThatAnotherProgramReplacesHasEnded) {
+  begin();
+  send.RTR = true;
+  EXPECT_EQ(start(), can_status::in_execution);
+  ASSERT_TRUE(asked(1));
+  answer(0, gateway_REPLY_DONE);
+  told(0, layer2_OBJECT_JOB_HELD);
+  told(1, layer2_OBJECT_JOB_NONE, layer2_OBJECT_END_DONE, 2);
+  ASSERT_TRUE(call_until(send, [&] { return send.Status == can_status::aborted; }));
+  EXPECT_FALSE(send.Done);
+  EXPECT_TRUE(sent.empty());
 }
 
 TEST_F(DirectAccess, L38EachAnswerIsDoneOnce) {

@@ -2,7 +2,6 @@
 
 #include <cansync/function_blocks/layer2/can_status.h>
 
-#include <algorithm>
 #include <vector>
 
 #include "layer2/dds/convert.h"
@@ -11,7 +10,6 @@ namespace cansync::client::detail {
 namespace {
 
 namespace status = function_blocks::can_status;
-using std::chrono::steady_clock;
 
 /// Status of a request that was refused, or not answered.
 std::uint16_t code_of(const layer2::client::SendResult& result) {
@@ -66,7 +64,6 @@ bool DirectAccess::configure(std::span<const layer2_ObjectSettings> settings,
     Object& object = objects_[one.number];
     const layer2_ObjectStatus newest = object.newest;
     object = {.configured = true, .setting_up = true, .set_up = set_up, .settings = one, .newest = newest};
-    object.base = newest.sent;
     object.taken = newest.received;
     object.taken_time = newest.time;
   }
@@ -103,8 +100,7 @@ void DirectAccess::note(const layer2_ObjectStatus& status) {
   object.newest = status;
   if (!object.configured) return;
   if (!object.settings.transmit) return note_received(status.number);
-  note_answers(status.number);
-  note_end_of_held(object);
+  note_held(status.number);
 }
 
 // --- an object that sends
@@ -126,12 +122,10 @@ JobStatus DirectAccess::send(unsigned number, const can::Frame& frame, bool on_r
   object.generation = ++generations_;
   object.job = on_remote ? Job::held : Job::sending;
   object.every_time = wanted.every_time;
-  object.aborting = object.seen_held = false;
+  object.aborting = false;
+  object.job_number = object.answered = 0;
   object.answers = 0;
   object.end.reset();
-  // Answers of the job before are nobody's.
-  object.answered = std::max(object.answered, object.newest.sent - std::min(object.newest.sent, object.base));
-  object.until = steady_clock::time_point::max();
   object.wanted_job = wanted;
   push_job(number);
   if (object.end) return *std::exchange(object.end, std::nullopt);
@@ -155,50 +149,47 @@ void DirectAccess::sent(unsigned number, std::uint64_t generation, const Result&
   const bool done = result.replied && result.code == gateway_REPLY_DONE;
   if (object.generation != generation) return;
   if (object.job == Job::held || object.job == Job::answering) {
-    if (!done) {
-      object.end = end_of(result, object.settings.timeout != 0);
-      object.job = Job::none;
-    } else if (object.settings.timeout != 0) {
-      object.until = steady_clock::now() + std::chrono::milliseconds(object.settings.timeout);
+    if (done) {
+      object.job_number = result.job_number;
+      return note_held(number);  // the daemon may have told of it before
     }
+    object.end = end_of(result, object.settings.timeout != 0);
+    object.job = Job::none;
     return;
   }
   if (object.job != Job::sending) return;
   object.job = Job::none;
   object.end = end_of(result, object.settings.timeout != 0);
-  if (!done) return;
-  ++object.answered;
-  if (object.settings.tell) on_frame_(number, true);
+  if (done && object.settings.tell) on_frame_(number, true);
 }
 
-void DirectAccess::note_answers(unsigned number) {
+/// No reply tells of its answers and its end: the one to the job came when the object held it. What the daemon tells
+/// of another job of the object is not of this one.
+void DirectAccess::note_held(unsigned number) {
   Object& object = objects_[number];
   if (object.job != Job::held && object.job != Job::answering) return;
-  while (object.job != Job::none && object.newest.sent > object.base + object.answered) {
+  const layer2_ObjectStatus& newest = object.newest;
+  if (object.job_number == 0 || newest.job_number < object.job_number) return;
+  const bool replaced = newest.job_number > object.job_number;
+  while (!replaced && object.job != Job::none && newest.job_sent > object.answered) {
     ++object.answered;
     ++object.answers;
     object.job = object.every_time ? Job::answering : Job::none;
     if (object.settings.tell) on_frame_(number, true);
   }
-}
-
-/// No reply tells it: the one to the job came when the object held it.
-void DirectAccess::note_end_of_held(Object& object) {
-  if (object.job != Job::held && object.job != Job::answering) return;
-  const layer2_ObjectStatus& newest = object.newest;
-  if (newest.job != layer2_OBJECT_JOB_NONE) {
-    object.seen_held = true;
-    return;
-  }
-  const bool late = newest.ended_as == layer2_OBJECT_END_TIMED_OUT && steady_clock::now() >= object.until;
-  if (!late && !object.seen_held) return;
-  const bool timed_out = newest.ended_as == layer2_OBJECT_END_TIMED_OUT;
-  if (!timed_out && newest.ended_as != layer2_OBJECT_END_ABORTED) return;
+  if (object.job == Job::none || (!replaced && newest.job != layer2_OBJECT_JOB_NONE)) return;
+  const bool timed_out = !replaced && newest.ended_as == layer2_OBJECT_END_TIMED_OUT;
   object.job = Job::none;
-  object.end =
-      JobStatus{.code = timed_out ? status::timed_out : status::aborted,
-                .reason = timed_out ? "daemon: nobody asked for the frame within the object's Timeout"
-                                    : "daemon: the job was aborted"};
+  const char* reason = "daemon: the job was aborted";
+  if (replaced) reason = "daemon: a job of another program took its place; its last answers are not known";
+  if (timed_out) {
+    reason =
+        object.settings.timeout == 0
+            ? "daemon: its frame was handed over and not seen on the bus"
+            : "daemon: nobody asked for the frame within the object's Timeout, or it was handed over and not "
+              "seen on the bus";
+  }
+  object.end = JobStatus{.code = timed_out ? status::timed_out : status::aborted, .reason = reason};
 }
 
 void DirectAccess::abort(unsigned number) {
@@ -228,7 +219,6 @@ void DirectAccess::abort(unsigned number) {
 
 JobStatus DirectAccess::job(unsigned number) {
   Object& object = objects_[number];
-  note_end_of_held(object);
   if (object.answers > 0) {
     --object.answers;
     return {.code = status::done, .done = true};

@@ -95,12 +95,11 @@ class DirectAccess {
     Job job = Job::none;
     std::optional<layer2_ObjectRequest> wanted_job;
     bool aborting = false;
-    bool seen_held = false;      ///< the daemon has told of the job
-    std::uint64_t base = 0;      ///< frames sent before these settings
-    std::uint64_t answered = 0;  ///< frames since then that are accounted for
+    std::uint64_t job_number =
+        0;  ///< of the job that is held, as the daemon counts; 0: it has not answered yet
+    std::uint64_t answered = 0;  ///< its answers that are accounted for
     unsigned answers = 0;        ///< to be told
     bool every_time = false;
-    std::chrono::steady_clock::time_point until = std::chrono::steady_clock::time_point::max();
     std::optional<JobStatus> end;  ///< to be told
     // receiving
     bool released = false;
@@ -115,8 +114,7 @@ class DirectAccess {
   };
 
   bool begin(layer2_ObjectRequest& wanted, Requests::Ended ended);
-  void note_answers(unsigned number);
-  void note_end_of_held(Object& object);
+  void note_held(unsigned number);
   void note_received(unsigned number);
   void take_fetched(unsigned number, const Result& result);
   void was_set_up(std::uint64_t number, const Result& result);
