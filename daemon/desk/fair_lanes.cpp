@@ -3,12 +3,12 @@
 #include <algorithm>
 
 namespace cansyncd {
-void FairLanes::add(JobId id, const ClientIdentity& client, Lane lane) {
+void FairLanes::add(JobId id, const ClientIdentity& client, Lane lane, unsigned weight) {
   Queue& queue = lanes_[lane];
   auto& own = queue.waiting[client];
   if (own.empty()) queue.turns.push_back(client);
   own.push_back(id);
-  jobs_[id] = {lane, client, false};
+  jobs_[id] = {lane, client, false, weight};
 }
 
 void FairLanes::remove(JobId id) {
@@ -21,7 +21,8 @@ void FairLanes::remove(JobId id) {
     --lane->second.given;
     --together_[where.lane.kind];
     const auto own = lane->second.given_of.find(where.client);
-    if (--own->second == 0) lane->second.given_of.erase(own);
+    own->second -= where.weight;
+    if (own->second == 0) lane->second.given_of.erase(own);
   } else {
     drop_waiting(lane->second, where.client, id);
   }
@@ -67,7 +68,9 @@ std::optional<Lane> FairLanes::next_lane() const {
 std::deque<ClientIdentity>::const_iterator FairLanes::next_client(Lane lane, const Queue& queue) const {
   return std::find_if(queue.turns.begin(), queue.turns.end(), [&](const ClientIdentity& client) {
     const auto own = queue.given_of.find(client);
-    return own == queue.given_of.end() || own->second < limits_[lane.kind].of_client;
+    if (own == queue.given_of.end()) return true;
+    const unsigned weight = jobs_.at(queue.waiting.at(client).front()).weight;
+    return own->second + weight <= limits_[lane.kind].of_client;
   });
 }
 
@@ -81,7 +84,8 @@ void FairLanes::given(Lane lane) {
   const auto turn = next_client(lane, queue);
   const ClientIdentity client = *turn;
   const auto own = queue.waiting.find(client);
-  jobs_.at(own->second.front()).given = true;
+  Where& where = jobs_.at(own->second.front());
+  where.given = true;
   own->second.pop_front();
   queue.turns.erase(turn);
   if (own->second.empty()) {
@@ -90,7 +94,7 @@ void FairLanes::given(Lane lane) {
     queue.turns.push_back(client);
   }
   ++queue.given;
-  ++queue.given_of[client];
+  queue.given_of[client] += where.weight;
   ++together_[lane.kind];
   last_ = lane;
 }

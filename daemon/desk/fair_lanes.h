@@ -41,8 +41,8 @@ struct Lane {
 struct LaneLimit {
   unsigned in_lane = 1;                                      ///< of one lane
   unsigned together = std::numeric_limits<unsigned>::max();  ///< of all lanes of the kind
-  unsigned of_client =
-      std::numeric_limits<unsigned>::max();  ///< of one lane and one client, over 0: where one may stay long
+  /// Weight of one lane and one client, over 0; who has none given there may give a heavier one.
+  unsigned of_client = std::numeric_limits<unsigned>::max();
 };
 
 /// Whether a request has its turn.
@@ -59,8 +59,9 @@ using LaneLimits = std::vector<LaneLimit>;
 /// In each lane the clients that have requests waiting take turns, one request each; those of one client keep
 /// their order. With `in_lane` requests of a lane given and n other clients waiting in it, a client's first
 /// request there is the (in_lane + n + 1)th to end at the latest, however many the others have. Lanes that
-/// share the limit `together` take turns too. Who has `of_client` of a lane given keeps its turn until one of
-/// them ends, and the others go on. Not thread safe; allocates.
+/// share the limit `together` take turns too. Whose next request would be over `of_client` keeps its turn until
+/// others of its own have ended, and the other clients go on: where a request may stay long, or is much for the bus,
+/// nobody waits for more than that of each. Not thread safe; allocates.
 class FairLanes {
  public:
   /// A lane of a kind that has no limit must not be used.
@@ -69,8 +70,9 @@ class FairLanes {
   /// Other limits, of the same kinds; what was given stays given.
   void set_limits(LaneLimits limits) { limits_ = std::move(limits); }
 
-  /// Puts a request behind the others of its client in its lane. `id` must be new.
-  void add(JobId id, const ClientIdentity& client, Lane lane);
+  /// Puts a request behind the others of its client in its lane. `id` must be new; `weight`, over 0: what it counts
+  /// for its client, such as frames.
+  void add(JobId id, const ClientIdentity& client, Lane lane, unsigned weight = 1);
 
   /// Forgets a request, whether it still waits or was given and has ended. An unknown one is ignored.
   void remove(JobId id);
@@ -96,13 +98,14 @@ class FairLanes {
   struct Queue {
     std::deque<ClientIdentity> turns;  ///< clients with waiting requests, the next in front
     std::map<ClientIdentity, std::deque<JobId>> waiting;
-    std::map<ClientIdentity, unsigned> given_of;  ///< of clients that have some
+    std::map<ClientIdentity, unsigned> given_of;  ///< weight of clients that have some
     unsigned given = 0;
   };
   struct Where {
     Lane lane;
     ClientIdentity client = {};
     bool given = false;
+    unsigned weight = 1;
   };
 
   std::optional<Lane> next_lane() const;

@@ -76,6 +76,7 @@ void read_controller(Bytes data, LinkFacts& facts) noexcept {
     } else if (type == IFLA_CAN_CTRLMODE) {
       if (const auto mode = front<can_ctrlmode>(payload)) {
         facts.one_shot = (mode->flags & CAN_CTRLMODE_ONE_SHOT) != 0;
+        facts.listen_only = (mode->flags & CAN_CTRLMODE_LISTENONLY) != 0;
       }
     } else if (type == IFLA_CAN_CTRLMODE_EXT) {
       for_each_attribute(payload, [&facts](unsigned part, Bytes modes) {

@@ -44,6 +44,7 @@ struct LinkFacts {
   std::uint16_t receive_errors = 0;
   bool echoes = false;           ///< its driver tells when a frame was on the bus, not when it was given one
   std::optional<bool> one_shot;  ///< each frame is tried once; nothing: no real controller
+  bool listen_only = false;      ///< the controller neither sends nor acknowledges
   std::optional<bool>
       can_one_shot;  ///< its driver has that mode; nothing: the kernel does not tell (before 5.17)
   Adapter adapter;   ///< the hardware behind it; netlink says nothing of it

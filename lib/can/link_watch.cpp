@@ -26,6 +26,7 @@ LinkState link_state(const LinkFacts& facts, std::uint32_t bits_per_second, bool
   if (!matches(adapter, facts.adapter)) return LinkState::wrong_adapter;
   if (!facts.up) return LinkState::down;
   if (facts.timing && !keeps_bit_rate(*facts.timing, bits_per_second)) return LinkState::wrong_bit_rate;
+  if (facts.listen_only) return LinkState::listen_only;
   if (one_shot && !facts.one_shot.value_or(true)) return LinkState::not_one_shot;
   return LinkState::up;
 }

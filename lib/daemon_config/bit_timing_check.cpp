@@ -52,6 +52,7 @@ std::uint16_t wanted_sample_point(const BusConfig& bus) {
   can::BitTimingRegisters chosen = registers(bus);
   can::Controller controller = bus.registers_of;
   if (!bus.btr0 || !bus.btr1) {
+    if (bus.sample_point) return *bus.sample_point;
     controller = can::Controller::plc;
     for (const can::BitTimingPreset& preset : can::kBitTimingPresets) {
       if (preset.controller == controller && preset.bits_per_second == bus.bits_per_second) {
@@ -64,10 +65,10 @@ std::uint16_t wanted_sample_point(const BusConfig& bus) {
 }
 
 std::string bit_rate_command(const BusConfig& bus) {
-  const unsigned sample_point = wanted_sample_point(bus);
-  return fmt::format(
-      "ip link set {0} down; ip link set {0} type can bitrate {1} sample-point 0.{2:03}; ip link set {0} up",
-      bus.interface, bus.bits_per_second, sample_point);
+  const unsigned wanted = wanted_sample_point(bus);
+  const std::string sample_point = wanted != 0 ? fmt::format(" sample-point 0.{:03}", wanted) : std::string();
+  return fmt::format("ip link set {0} down; ip link set {0} type can bitrate {1}{2}; ip link set {0} up",
+                     bus.interface, bus.bits_per_second, sample_point);
 }
 
 std::string set_up_command(const BusConfig& bus, const can::LinkFacts& link) {

@@ -19,8 +19,8 @@ struct BitTimingProblem {
 /// Checks that the registers, when given, are complete, can work, and give the configured bit rate.
 std::optional<BitTimingProblem> check_bit_timing(const BusConfig& bus);
 
-/// Sample point the interface should have, in 1/1000 of a bit: of the registers when given, else of the PLC's
-/// preset (M 4.9).
+/// Sample point the interface should have, in 1/1000 of a bit: of the registers when given, else of the protocol.
+/// 0: any.
 std::uint16_t wanted_sample_point(const BusConfig& bus);
 
 /// Shell command that sets the interface to the configured bit timing and up.

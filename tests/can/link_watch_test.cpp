@@ -167,6 +167,9 @@ TEST(LinkState, SaysWhatStandsInTheWay) {
   facts.one_shot = false;
   EXPECT_EQ(link_state(facts, 500'000), LinkState::up);
   EXPECT_EQ(link_state(facts, 500'000, true), LinkState::not_one_shot);
+  facts.listen_only = true;
+  EXPECT_EQ(link_state(facts, 500'000), LinkState::listen_only);
+  facts.listen_only = false;
   facts.timing.reset();
   EXPECT_EQ(link_state(facts, 250'000), LinkState::up) << "a virtual interface has no bit rate";
   facts.up = false;

@@ -29,7 +29,7 @@ def shell(command):
 
 def bring_up(interface, bit_rate=BIT_RATE):
     shell(f"ip link set {interface} down")
-    shell(f"ip link set {interface} type can bitrate {bit_rate}")
+    shell(f"ip link set {interface} type can bitrate {bit_rate} listen-only off")
     shell(f"ip link set {interface} up")
 
 
@@ -304,6 +304,24 @@ class FramesOnControllers(unittest.TestCase):
                         found.append(frame)
                 self.assertEqual(found, expected, f"call {call}")
             frames.terminate()
+
+    def test_in_listen_only_mode_frames_come_and_none_is_sent(self):
+        self.addCleanup(bring_up, "can0")
+        shell("ip link set can0 down; ip link set can0 type can listen-only on; ip link set can0 up")
+        self.daemon.wait_status("listen-only", lambda s: s["link_state"] == "listen-only")
+        refused = self.daemon.run("can", "send", "7FF#01")
+        self.assertEqual(refused.returncode, 5, refused.stderr)  # not within its monitoring time
+        self.assertIn("in listen-only mode", refused.stderr)
+        taken = self.daemon.status()["received"]
+        wait_for("a frame comes", lambda: self.other.send(struct.pack("=IB3x8s", 0x1AA, 1, b"\x55")) and
+                 self.daemon.status()["received"] > taken)
+        findings = [json.loads(line) for line in self.daemon.run("doctor", "--json").stdout.splitlines()]
+        finding = next(one for one in findings if one["topic"] == "interface")
+        self.assertIn("in listen-only mode", finding["found"])
+        shell(finding["remedy"])
+        self.daemon.wait_status("it sends again", lambda s: s["link_state"] == "up")
+        self.daemon.verb("can", "send", "7FF#02")
+        self.assertEqual(struct.unpack("=IB3x8s", self.other.recv(16))[2][0], 2, "the first that was ever sent")
 
     def test_frames_of_others_come_through_the_range(self):
         with self.daemon.start("can", "dump", "--json") as frames:

@@ -40,4 +40,8 @@ std::string link_remedy(const std::string& name, const LinkFacts& link, std::uin
   return up(name) + " type can bitrate 500000   (the bit rate of the bus)";
 }
 
+std::string sending_remedy(const std::string& name) {
+  return "ip link set " + name + " down && ip link set " + name + " type can listen-only off && " + up(name);
+}
+
 }  // namespace can

@@ -12,4 +12,7 @@ namespace can {
 /// knows; of one that is missing its name says the kind. `bit_rate`: of the bus, in bit/s; 0: not known. Allocates.
 std::string link_remedy(const std::string& name, const LinkFacts& link, std::uint32_t bit_rate = 0);
 
+/// Commands that end the listen-only mode of an interface and set it up. Allocates.
+std::string sending_remedy(const std::string& name);
+
 }  // namespace can

@@ -193,6 +193,8 @@ class Computer {
       facts_.link.restart_ms = static_cast<std::uint32_t>(std::stoul(value));
     } else if (name == "one-shot") {
       facts_.link.one_shot = value == "on";
+    } else if (name == "listen-only") {
+      facts_.link.listen_only = value == "on";
     } else {
       return false;
     }
@@ -315,6 +317,9 @@ INSTANTIATE_TEST_SUITE_P(
               },
               "can0 is down",
               "ip link set can0 type can bitrate 500000 sample-point 0.600 && ip link set can0 up"},
+        Fault{"interface", Level::warning, [](In& in) { in.link.listen_only = true; },
+              "listen-only mode: nothing is sent",
+              "ip link set can0 type can listen-only off && ip link set can0 up"},
         Fault{"interface", Level::warning, [](In& in) { in.kernel_silent = "no descriptor left"; },
               "no descriptor left", "ip -details link show can0"},
         Fault{"bit rate", Level::error, [](In& in) { in.link.timing->bits_per_second = 250'000; },
@@ -640,6 +645,25 @@ TEST(Doctor, ASamplePointAsNearAsAControllerComesIsWell) {
   EXPECT_EQ(exit_code(diagnose(in), true), ExitCode::done);
   in.link.timing->sample_point = 633;
   EXPECT_EQ(exit_code(diagnose(in), true), ExitCode::failed);
+}
+
+TEST(Doctor, ABusWithoutSlotsHasTheSamplePointOfItsProtocol) {
+  DoctorInput in = healthy();
+  in.status->master.reset();
+  put(in.status->realtime.sync_state, "");
+  in.status->bus.sample_point_wanted = 875;  // J1939
+  for (const std::uint16_t point : {std::uint16_t{800}, std::uint16_t{875}, std::uint16_t{900}}) {
+    in.link.timing->sample_point = point;
+    EXPECT_EQ(find(diagnose(in), "sample point")->level, Level::ok) << point;
+  }
+  for (const std::uint16_t point : {std::uint16_t{600}, std::uint16_t{799}, std::uint16_t{901}}) {
+    in.link.timing->sample_point = point;
+    const auto findings = diagnose(in);
+    EXPECT_EQ(find(findings, "sample point")->level, Level::warning) << point;
+    EXPECT_NE(find(findings, "sample point")->remedy.find("sample-point 0.875"), std::string::npos);
+  }
+  in.status->bus.sample_point_wanted = 0;  // general frames
+  EXPECT_EQ(find(diagnose(in), "sample point"), nullptr);
 }
 
 TEST(Doctor, AnOlderDaemonLeavesTheSamplePointsOfBothFamilies) {

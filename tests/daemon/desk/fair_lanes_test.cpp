@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -217,6 +218,36 @@ TEST(FairLanes, ARemovedRequestIsNeverGiven) {
   line.hand_over();
   while (line.ended < line.given.size()) line.end_first();
   EXPECT_EQ(line.given, (std::vector<JobId>{1, 2, 5, 4, 6}));
+}
+
+TEST(FairLanes, WhoAsksForMuchAtOnceHasNoMoreThanItsShare) {
+  FairLanes lanes({{.in_lane = 400, .of_client = 64}});
+  constexpr Lane kOnly{};
+  for (JobId id = 1; id <= 3; ++id) lanes.add(id, client(1), kOnly, 64);
+  lanes.add(4, client(2), kOnly, 100);
+  for (JobId id = 11; id <= 80; ++id) lanes.add(id, client(3), kOnly);
+  std::vector<JobId> given;
+  const auto hand_over = [&] {
+    given.clear();
+    EXPECT_TRUE(lanes.hand_over([&](JobId id) {
+      given.push_back(id);
+      return true;
+    }));
+  };
+  hand_over();
+  EXPECT_EQ(std::count_if(given.begin(), given.end(), [](JobId id) { return id <= 3; }), 1);
+  EXPECT_EQ(std::count(given.begin(), given.end(), 4u), 1) << "one that is over its share alone is given";
+  EXPECT_EQ(given.size(), 66u) << "and 64 small ones";
+  lanes.remove(11);
+  hand_over();
+  EXPECT_EQ(given, (std::vector<JobId>{75}));
+  lanes.remove(1);
+  hand_over();
+  EXPECT_EQ(given, (std::vector<JobId>{2}));
+  lanes.remove(3);  // waits
+  lanes.remove(2);
+  hand_over();
+  EXPECT_TRUE(given.empty());
 }
 
 TEST(RequestNumbers, ANumberIsUsedOnce) {

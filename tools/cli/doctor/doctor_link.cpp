@@ -25,6 +25,10 @@ constexpr std::uint32_t kShortestQueue = 4;
 constexpr std::uint32_t kLongestQueue = 100;
 /// A controller cannot make every sample point: half a quantum of a bit of 16 is as near as it may come.
 constexpr int kSamplePointTolerance = 32;  // permille
+/// Where a bus without slots wants 0.875, nodes may have 0.80 to 0.90 (SAE).
+constexpr std::uint32_t kWideSamplePoint = 875;
+constexpr int kEarliestWithoutSlots = -75;
+constexpr int kLatestWithoutSlots = 25;
 /// What a configuration without bus.bit_rate means.
 constexpr std::uint32_t kUsualBitRate = 1'000'000;
 
@@ -49,11 +53,17 @@ std::optional<std::uint32_t> wanted_bit_rate(const DoctorInput& in) {
   return preset != can::kBitTimingPresets.end() ? std::optional(preset->bits_per_second) : std::nullopt;
 }
 
-/// Sample points that suit, the usual one first: that of the configuration when known, else those of the
-/// presets for this bit rate (M 4.9, O 7.3.9).
+/// A line with SYNC has slots: nothing else begins at the time of a telegram, and none loses the arbitration.
+bool has_slots(const DoctorInput& in) {
+  return !in.status || in.status->master || !std::string_view(in.status->realtime.sync_state).empty();
+}
+
+/// Sample points that suit, the usual one first: that of the configuration when known, else on a CANsync line those of
+/// the presets for this bit rate (M 4.9, O 7.3.9). None: any does.
 std::vector<std::uint32_t> wanted_sample_points(const DoctorInput& in, std::uint32_t bit_rate) {
   if (in.status && in.status->bus.sample_point_wanted != 0) return {in.status->bus.sample_point_wanted};
   std::vector<std::uint32_t> points;
+  if (!has_slots(in)) return points;
   for (const can::BitTimingPreset& preset : can::kBitTimingPresets) {
     if (preset.bits_per_second != bit_rate) continue;
     const auto timing = can::decode(preset.registers, can::clock_hz(preset.controller));
@@ -74,6 +84,7 @@ std::string set_timing(const DoctorInput& in) {
   const auto points = wanted_sample_points(in, bit_rate);
   std::string setting = fmt::format("bitrate {}", bit_rate);
   if (!points.empty()) setting += fmt::format(" sample-point 0.{:03}", points.front());
+  if (in.link.listen_only) setting += " listen-only off";
   return set_link(in.interface_name, setting);
 }
 
@@ -105,9 +116,13 @@ bool look_at_presence(const DoctorInput& in, FindingList& out) {
         nothing_to_set ||
         (in.link.timing && can::keeps_bit_rate(*in.link.timing, wanted_bit_rate(in).value_or(0)));
     out.error("interface", fmt::format("{} is down", name),
-              is_set ? fmt::format("ip link set {} up", name) : set_timing(in));
+              is_set && !in.link.listen_only ? fmt::format("ip link set {} up", name) : set_timing(in));
   } else if (nothing_to_set) {
     out.ok("interface", fmt::format("{} is up, virtual ({}): nothing to set", name, driver_kind(in.link)));
+  } else if (in.link.listen_only) {
+    out.warning("interface",
+                fmt::format("{} is in listen-only mode: nothing is sent, and nothing acknowledged", name),
+                can::sending_remedy(name));
   } else {
     out.ok("interface", fmt::format("{} is up", name));
   }
@@ -176,8 +191,13 @@ void look_at_timing(const DoctorInput& in, FindingList& out) {
   const auto points = wanted_sample_points(in, *wanted);
   if (timing.sample_point == 0 || points.empty()) return;
   const std::string point = fmt::format("0.{:03}", timing.sample_point);
-  const bool suits = std::any_of(points.begin(), points.end(), [&timing](std::uint32_t one) {
-    return std::abs(static_cast<int>(one) - static_cast<int>(timing.sample_point)) <= kSamplePointTolerance;
+  const bool slots = has_slots(in);
+  const bool suits = std::any_of(points.begin(), points.end(), [&](std::uint32_t one) {
+    const bool wide = !slots && one == kWideSamplePoint;
+    const int earliest = wide ? kEarliestWithoutSlots : -kSamplePointTolerance;
+    const int latest = wide ? kLatestWithoutSlots : kSamplePointTolerance;
+    const int later = static_cast<int>(timing.sample_point) - static_cast<int>(one);
+    return later >= earliest && later <= latest;
   });
   if (suits)
     out.ok("sample point", point);
@@ -195,11 +215,6 @@ void look_at_restart(const DoctorInput& in, FindingList& out) {
                 set_link(in.interface_name, "restart-ms 100"));
   else
     out.ok("restart-ms", fmt::format("{} ms after bus-off the kernel restarts it", *in.link.restart_ms));
-}
-
-/// A line with SYNC has slots: nothing else begins at the time of a telegram, and none loses the arbitration.
-bool has_slots(const DoctorInput& in) {
-  return !in.status || in.status->master || !std::string_view(in.status->realtime.sync_state).empty();
 }
 
 /// Without one-shot a frame that nobody acknowledges is repeated for ever, and goes out late; with it, one
