@@ -60,18 +60,18 @@ daemon/recorder:            lib/text lib/can lib/rt lib/daemon_config daemon/ser
 daemon/segment:             lib/text lib/config lib/can lib/rt lib/sync lib/sim lib/dds lib/daemon_config daemon/service daemon/loop daemon/desk
                             daemon/bus daemon/recorder
 daemon/status:              idl lib/text lib/can lib/sync lib/rt lib/dds lib/daemon_config daemon/service daemon/loop daemon/bus daemon/desk
-daemon/gateway:             lib/can lib/dds daemon/service daemon/desk daemon/status
+daemon/gateway:             lib/can lib/dds daemon/service daemon/bus daemon/desk daemon/status
 daemon/cansync:             lib/can lib/cansync lib/rt lib/sync daemon/loop
 daemon/cansync/bus:         lib/cansync lib/cansync/sim daemon/bus lib/cansync/config
 daemon/cansync/realtime:    lib/can lib/cansync lib/rt lib/sync daemon/loop daemon/bus daemon/cansync
                             lib/cansync/config
-daemon/cansync/texts:       idl lib/text lib/daemon_config lib/profile lib/can lib/cansync lib/dds lib/cansync/dds daemon/service daemon/bus daemon/loop
-                            daemon/desk daemon/cansync lib/cansync/config
+daemon/cansync/texts:       idl lib/text lib/daemon_config lib/profile lib/can lib/cansync lib/dds lib/cansync/dds daemon/service daemon/loop
+                            daemon/desk daemon/status daemon/cansync lib/cansync/config
 daemon/cansync/requests:    idl lib/text lib/cansync lib/cansync/dds daemon/desk daemon/cansync lib/cansync/config
                             daemon/cansync/texts
 daemon/cansync/status:      idl lib/text lib/profile lib/can lib/cansync lib/dds lib/cansync/dds daemon/cansync
                             daemon/service lib/cansync/config daemon/cansync/texts daemon/desk daemon/status
-daemon/cansync/gateway:     idl lib/text lib/cansync lib/daemon_config lib/dds lib/cansync/dds daemon/cansync daemon/service
+daemon/cansync/gateway:     idl lib/text lib/cansync lib/dds lib/cansync/dds daemon/cansync daemon/service
                             lib/cansync/config daemon/cansync/texts daemon/cansync/requests daemon/desk
                             daemon/gateway daemon/cansync/status
 daemon/cansync/segment:     lib/text lib/cansync lib/dds lib/cansync/sim daemon/service daemon/bus

@@ -1,0 +1,294 @@
+// What may be given to a bus of general frames.
+#include "daemon/layer2/segment/layer2_segment.h"
+#include "layer2.h"
+#include "layer2/dds/topics.h"
+#include "row_on.h"
+#include "rows.h"
+
+namespace given {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// What the givers give: the first byte of their frames.
+constexpr std::uint8_t value_of(Giver giver) {
+  return giver == Giver::first ? 1 : 2;
+}
+std::string whose(std::uint8_t value) {
+  if (value == 0) return "zero";
+  return value == value_of(Giver::first) ? "first" : "second";
+}
+
+const std::string kBus = R"([bus]
+interface = "sim"
+protocol = "layer2"
+bit_rate = 500000
+[dds]
+request_max_age_ms = 0
+[recorder]
+folder = ""
+[[receive]]
+number = 0
+first = 0
+last = 0x7FF
+)";
+const std::string kMapped = R"([mapping]
+interval_ms = 10
+[[mapped]]
+number = 0
+identifier = 0x201
+address = 0
+size = 1
+output = true
+)";
+
+class Layer2Row : public RowOn<cansyncd::Layer2Parts> {
+ public:
+  void set_running(bool running) override {
+    control(watcher(), running ? layer2_CONTROL_RUN : layer2_CONTROL_STOP);
+  }
+
+ protected:
+  using RowOn::RowOn;
+
+  static void control(Program& by, layer2_ControlKind kind, std::uint8_t number = 0) {
+    layer2_ControlRequest request = {};
+    request.kind = kind;
+    request.number = number;
+    (void)by.ask<layer2_ControlReply>(request);
+  }
+  static void configure(Program& by, const std::string& toml) {
+    std::vector<std::uint8_t> bytes(toml.begin(), toml.end());
+    layer2_ControlRequest request = {};
+    request.kind = layer2_CONTROL_CONFIGURE;
+    request.data._buffer = bytes.data();
+    request.data._length = request.data._maximum = static_cast<std::uint32_t>(bytes.size());
+    (void)by.ask<layer2_ControlReply>(request);
+  }
+  static void write_image(Program& by, std::uint8_t value) {
+    layer2_ControlRequest request = {};
+    request.kind = layer2_CONTROL_WRITE_IMAGE;
+    request.size = 1;
+    request.bytes[0] = value;
+    (void)by.ask<layer2_ControlReply>(request);
+  }
+  static layer2_CanFrame frame_of(std::uint32_t identifier, std::uint8_t value) {
+    layer2_CanFrame frame = {};
+    frame.identifier = identifier;
+    frame.length = 1;
+    frame.data[0] = value;
+    return frame;
+  }
+  std::string frames_of(std::uint32_t identifier) {
+    return frames([&](const can::Frame& frame) {
+      return frame.id == identifier ? whose(frame.data[0]) : std::string();
+    });
+  }
+  /// Whether the first giver has it, as everybody is told.
+  std::string ownership(const layer2_Ownership& told, std::int32_t strength) {
+    const bool waits = gateway::dds::text(told.waiting_writer) != "";
+    if (gateway::dds::text(told.writer) == "") return "nobody has it";
+    if (told.strength == strength) return "has it";
+    return waits ? "waits" : "another has it";
+  }
+};
+
+/// Outputs of the process image, by a writer.
+class Outputs final : public Layer2Row {
+ public:
+  Outputs() : Layer2Row(kBus + kMapped, kBus) {}
+  bool is_job() const override { return false; }
+  void give(Giver giver) override {
+    std::uint8_t byte = value_of(giver);
+    layer2_ImageOutputs sample = {};
+    sample.data._buffer = &byte;
+    sample.data._length = sample.data._maximum = 1;
+    program(giver).give(sample);
+  }
+  void end(Giver giver) override {
+    layer2_ImageOutputs sample = {};
+    sample.given_up = true;
+    program(giver).give(sample);
+  }
+  std::string on_bus() override { return frames_of(0x201); }
+  std::string told() override { return ownership(watcher().newest<layer2_FrameStatus>().image_ownership, 1); }
+};
+
+/// Outputs of the process image, by a request.
+class OutputsByRequest final : public Layer2Row {
+ public:
+  OutputsByRequest() : Layer2Row(kBus + kMapped, kBus) {}
+  bool is_job() const override { return false; }
+  void give(Giver giver) override { write_image(program(giver), value_of(giver)); }
+  /// There is no end of its own: it writes what is harmless.
+  void end(Giver giver) override { write_image(program(giver), 0); }
+  std::string on_bus() override { return frames_of(0x201); }
+  void collect() override { collect_answers<layer2_ControlReply>(); }
+};
+
+/// Leadership of run and stop.
+class RunLead final : public Layer2Row {
+ public:
+  RunLead() : Layer2Row(kBus + kMapped + "[module]\nrun_follows = \"line\"\n", kBus) {}
+  bool is_job() const override { return false; }
+  void give(Giver giver) override { lead(giver, true); }
+  void end(Giver giver) override { lead(giver, false); }
+  /// The image that is written to see whether it is sent.
+  bool is_noise(const std::string& code) const override { return code == "requests_rejected"; }
+  /// Who says stop has it still.
+  void leave(Giver giver) override { kill(giver); }
+  /// In run the image is sent that somebody has written.
+  std::string on_bus() override {
+    write_image(watcher(), 1);
+    const std::string seen = frames_of(0x201);
+    return seen == "first" ? "runs" : seen;
+  }
+  std::string told() override {
+    return ownership(watcher().newest<layer2_FrameStatus>().run_lead_ownership, 1);
+  }
+
+ private:
+  void lead(Giver giver, bool run) {
+    layer2_RunLead sample = {};
+    gateway::dds::copy_text("line", sample.client_name);
+    sample.run = run;
+    program(giver).give(sample);
+  }
+};
+
+/// A mapping.
+class Mapping final : public Layer2Row {
+ public:
+  Mapping() : Layer2Row(kBus) {}
+  bool is_job() const override { return false; }
+  void give(Giver giver) override {
+    configure(program(giver), "[mapping]\ninterval_ms = 10\n[[mapped]]\nnumber = 0\nidentifier = " +
+                                  std::to_string(kIdentifier + value_of(giver)) +
+                                  "\nsize = 1\noutput = true\n");
+    run(milliseconds(10));
+    write_image(watcher(), 1);
+  }
+  void end(Giver giver) override { configure(program(giver), "[mapping]\n"); }
+  std::string on_bus() override {
+    return frames([](const can::Frame& frame) {
+      return frame.id > kIdentifier && frame.id <= kIdentifier + 2
+                 ? whose(static_cast<std::uint8_t>(frame.id - kIdentifier))
+                 : std::string();
+    });
+  }
+  void collect() override { collect_answers<layer2_ControlReply>(); }
+
+ private:
+  static constexpr std::uint32_t kIdentifier = 0x300;
+};
+
+/// A timer that runs.
+class Timer final : public Layer2Row {
+ public:
+  Timer() : Layer2Row(kBus, kBus + "[[timer]]\nnumber = 1\nidentifier = 0x70\n") {}
+  bool is_job() const override { return false; }
+  void give(Giver giver) override {
+    layer2_ControlRequest request = {};
+    request.kind = layer2_CONTROL_SET_TIMER;
+    request.number = 1;
+    request.content = frame_of(kIdentifier, value_of(giver));
+    request.period = 10'000;
+    request.cyclic = true;
+    (void)program(giver).ask<layer2_ControlReply>(request);
+    control(program(giver), layer2_CONTROL_START_TIMER, 1);
+  }
+  void end(Giver giver) override { control(program(giver), layer2_CONTROL_STOP_TIMER, 1); }
+  std::string on_bus() override { return frames_of(kIdentifier); }
+  void collect() override { collect_answers<layer2_ControlReply>(); }
+
+ private:
+  static constexpr std::uint32_t kIdentifier = 0x80;
+};
+
+/// A frame.
+class FrameJob final : public Layer2Row {
+ public:
+  FrameJob() : Layer2Row(kBus, kBus + "[send]\nqueue = 2\n") {}
+  bool is_job() const override { return true; }
+  void give(Giver giver) override {
+    layer2_SendRequest request = {};
+    request.content = frame_of(kIdentifier, value_of(giver));
+    request.timeout = 2000;
+    const std::uint64_t number = program(giver).ask<layer2_SendReply>(request);
+    if (giver == Giver::first) newest_ = number;
+  }
+  void end(Giver giver) override { program(giver).cancel(newest_); }
+  std::string on_bus() override { return frames_of(kIdentifier); }
+  void collect() override { collect_answers<layer2_SendReply>(); }
+
+ private:
+  static constexpr std::uint32_t kIdentifier = 0x400;
+  std::uint64_t newest_ = 0;
+};
+
+/// Objects that send.
+const std::string kObjects =
+    "[[object]]\nnumber = 1\ntransmit = true\nidentifier = 0x500\ntimeout_ms = 2000\n";
+
+/// A frame of a message object.
+class ObjectJob : public Layer2Row {
+ public:
+  explicit ObjectJob(bool held = false)
+      : Layer2Row(kBus + kObjects, kBus + "[[object]]\nnumber = 2\nidentifier = 0x500\n"), held_(held) {}
+  bool is_job() const override { return !held_; }
+  void give(Giver giver) override {
+    layer2_ObjectRequest request = {};
+    request.action = layer2_OBJECT_SEND;
+    request.number = 1;
+    request.content = frame_of(kIdentifier, value_of(giver));
+    request.on_remote = request.every_time = held_;
+    (void)program(giver).ask<layer2_ObjectReply>(request);
+  }
+  void end(Giver giver) override {
+    layer2_ObjectRequest request = {};
+    request.action = layer2_OBJECT_ABORT;
+    request.number = 1;
+    (void)program(giver).ask<layer2_ObjectReply>(request);
+  }
+  std::string on_bus() override { return frames_of(kIdentifier); }
+  void collect() override { collect_answers<layer2_ObjectReply>(); }
+
+ protected:
+  static constexpr std::uint32_t kIdentifier = 0x500;
+
+ private:
+  const bool held_;
+};
+
+/// A frame that an object holds for whoever asks.
+class HeldObject final : public ObjectJob {
+ public:
+  HeldObject() : ObjectJob(true) {}
+  /// Somebody asks every 20 ms.
+  void each_step() override {
+    if (++steps_ % 2 == 1) return;
+    can::Frame asks;
+    asks.id = kIdentifier;
+    asks.remote = true;
+    asks.dlc = 1;
+    daemon().bus.bring(asks);
+  }
+
+ private:
+  unsigned steps_ = 0;
+};
+
+}  // namespace
+
+void add_layer2_rows(Rows& rows) {
+  rows.add<Outputs>("layer2.outputs");
+  rows.add<OutputsByRequest>("layer2.outputs_by_request");
+  rows.add<RunLead>("layer2.run_lead");
+  rows.add<Mapping>("layer2.mapping");
+  rows.add<Timer>("layer2.timer");
+  rows.add<FrameJob>("layer2.frame");
+  rows.add<ObjectJob>("layer2.object");
+  rows.add<HeldObject>("layer2.held_object");
+}
+
+}  // namespace given
