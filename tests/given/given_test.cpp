@@ -14,13 +14,7 @@ namespace given {
 namespace {
 
 const Rows& rows() {
-  static const Rows all = [] {
-    Rows made;
-    add_layer2_rows(made);
-    add_j1939_rows(made);
-    add_master_rows(made);
-    return made;
-  }();
+  static const Rows all = all_rows();
   return all;
 }
 

@@ -41,7 +41,7 @@ data = [1]
 period_ms = 20
 )";
 
-class J1939Row : public RowOn<cansyncd::J1939Parts> {
+class J1939Row : public RowOn {
  public:
   bool is_job() const override { return true; }
   void end(Giver giver) override { program(giver).cancel(newest_); }
@@ -52,8 +52,8 @@ class J1939Row : public RowOn<cansyncd::J1939Parts> {
   }
 
  protected:
-  explicit J1939Row(const std::string& more = {}, const std::string& changed = {})
-      : RowOn(kBus + more, kBus + changed) {
+  explicit J1939Row(const std::string& file = {}, const std::string& changed = {})
+      : RowOn({make_daemon<DeadlineDaemon<cansyncd::J1939Parts>>, kBus}, file, changed) {
     claim();
   }
 
@@ -87,7 +87,6 @@ class J1939Row : public RowOn<cansyncd::J1939Parts> {
     constexpr std::uint32_t kPgn = 0x3FFFF;
     return (frame.id >> 8U & kPgn) == pgn;
   }
-  static std::string whose(std::uint8_t value) { return value == 1 ? "first" : "second"; }
 
  private:
   /// Looks who has the address, and takes it.

@@ -10,15 +10,6 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// What the givers give: the first byte of their frames.
-constexpr std::uint8_t value_of(Giver giver) {
-  return giver == Giver::first ? 1 : 2;
-}
-std::string whose(std::uint8_t value) {
-  if (value == 0) return "zero";
-  return value == value_of(Giver::first) ? "first" : "second";
-}
-
 const std::string kBus = R"([bus]
 interface = "sim"
 protocol = "layer2"
@@ -38,18 +29,19 @@ interval_ms = 10
 number = 0
 identifier = 0x201
 address = 0
-size = 1
+size = 2
 output = true
 )";
 
-class Layer2Row : public RowOn<cansyncd::Layer2Parts> {
+class Layer2Row : public RowOn {
  public:
   void set_running(bool running) override {
     control(watcher(), running ? layer2_CONTROL_RUN : layer2_CONTROL_STOP);
   }
 
  protected:
-  using RowOn::RowOn;
+  explicit Layer2Row(const std::string& file = {}, const std::string& changed = {})
+      : RowOn({make_daemon<DeadlineDaemon<cansyncd::Layer2Parts>>, kBus}, file, changed) {}
 
   static void control(Program& by, layer2_ControlKind kind, std::uint8_t number = 0) {
     layer2_ControlRequest request = {};
@@ -65,9 +57,10 @@ class Layer2Row : public RowOn<cansyncd::Layer2Parts> {
     request.data._length = request.data._maximum = static_cast<std::uint32_t>(bytes.size());
     (void)by.ask<layer2_ControlReply>(request);
   }
-  static void write_image(Program& by, std::uint8_t value) {
+  static void write_image(Program& by, std::uint8_t value, std::uint16_t address = 0) {
     layer2_ControlRequest request = {};
     request.kind = layer2_CONTROL_WRITE_IMAGE;
+    request.address = address;
     request.size = 1;
     request.bytes[0] = value;
     (void)by.ask<layer2_ControlReply>(request);
@@ -79,28 +72,27 @@ class Layer2Row : public RowOn<cansyncd::Layer2Parts> {
     frame.data[0] = value;
     return frame;
   }
+  std::string image() {
+    return frames([](const can::Frame& frame) {
+      return frame.id == 0x201 ? whose(frame.data[0], frame.data[1]) : std::string();
+    });
+  }
   std::string frames_of(std::uint32_t identifier) {
     return frames([&](const can::Frame& frame) {
       return frame.id == identifier ? whose(frame.data[0]) : std::string();
     });
   }
-  /// Whether the first giver has it, as everybody is told.
-  std::string ownership(const layer2_Ownership& told, std::int32_t strength) {
-    const bool waits = gateway::dds::text(told.waiting_writer) != "";
-    if (gateway::dds::text(told.writer) == "") return "nobody has it";
-    if (told.strength == strength) return "has it";
-    return waits ? "waits" : "another has it";
-  }
 };
 
-/// Outputs of the process image, by a writer.
+/// Outputs of the process image, by a writer: byte 0 by the first, byte 1 by the second.
 class Outputs final : public Layer2Row {
  public:
-  Outputs() : Layer2Row(kBus + kMapped, kBus) {}
+  Outputs() : Layer2Row(kMapped) {}
   bool is_job() const override { return false; }
   void give(Giver giver) override {
     std::uint8_t byte = value_of(giver);
     layer2_ImageOutputs sample = {};
+    sample.address = static_cast<std::uint16_t>(index(giver));
     sample.data._buffer = &byte;
     sample.data._length = sample.data._maximum = 1;
     program(giver).give(sample);
@@ -110,26 +102,28 @@ class Outputs final : public Layer2Row {
     sample.given_up = true;
     program(giver).give(sample);
   }
-  std::string on_bus() override { return frames_of(0x201); }
-  std::string told() override { return ownership(watcher().newest<layer2_FrameStatus>().image_ownership, 1); }
+  std::string on_bus() override { return image(); }
+  std::string told() override {
+    return ownership_word(watcher().newest<layer2_FrameStatus>().image_ownership);
+  }
 };
 
 /// Outputs of the process image, by a request.
 class OutputsByRequest final : public Layer2Row {
  public:
-  OutputsByRequest() : Layer2Row(kBus + kMapped, kBus) {}
+  OutputsByRequest() : Layer2Row(kMapped) {}
   bool is_job() const override { return false; }
   void give(Giver giver) override { write_image(program(giver), value_of(giver)); }
   /// There is no end of its own: it writes what is harmless.
   void end(Giver giver) override { write_image(program(giver), 0); }
-  std::string on_bus() override { return frames_of(0x201); }
+  std::string on_bus() override { return image(); }
   void collect() override { collect_answers<layer2_ControlReply>(); }
 };
 
 /// Leadership of run and stop.
 class RunLead final : public Layer2Row {
  public:
-  RunLead() : Layer2Row(kBus + kMapped + "[module]\nrun_follows = \"line\"\n", kBus) {}
+  RunLead() : Layer2Row(kMapped + "[module]\nrun_follows = \"line\"\n") {}
   bool is_job() const override { return false; }
   void give(Giver giver) override { lead(giver, true); }
   void end(Giver giver) override { lead(giver, false); }
@@ -140,11 +134,11 @@ class RunLead final : public Layer2Row {
   /// In run the image is sent that somebody has written.
   std::string on_bus() override {
     write_image(watcher(), 1);
-    const std::string seen = frames_of(0x201);
+    const std::string seen = image();
     return seen == "first" ? "runs" : seen;
   }
   std::string told() override {
-    return ownership(watcher().newest<layer2_FrameStatus>().run_lead_ownership, 1);
+    return ownership_word(watcher().newest<layer2_FrameStatus>().run_lead_ownership);
   }
 
  private:
@@ -159,7 +153,6 @@ class RunLead final : public Layer2Row {
 /// A mapping.
 class Mapping final : public Layer2Row {
  public:
-  Mapping() : Layer2Row(kBus) {}
   bool is_job() const override { return false; }
   void give(Giver giver) override {
     configure(program(giver), "[mapping]\ninterval_ms = 10\n[[mapped]]\nnumber = 0\nidentifier = " +
@@ -185,7 +178,7 @@ class Mapping final : public Layer2Row {
 /// A timer that runs.
 class Timer final : public Layer2Row {
  public:
-  Timer() : Layer2Row(kBus, kBus + "[[timer]]\nnumber = 1\nidentifier = 0x70\n") {}
+  Timer() : Layer2Row({}, "[[timer]]\nnumber = 1\nidentifier = 0x70\n") {}
   bool is_job() const override { return false; }
   void give(Giver giver) override {
     layer2_ControlRequest request = {};
@@ -208,7 +201,7 @@ class Timer final : public Layer2Row {
 /// A frame.
 class FrameJob final : public Layer2Row {
  public:
-  FrameJob() : Layer2Row(kBus, kBus + "[send]\nqueue = 2\n") {}
+  FrameJob() : Layer2Row({}, "[send]\nqueue = 2\n") {}
   bool is_job() const override { return true; }
   void give(Giver giver) override {
     layer2_SendRequest request = {};
@@ -234,7 +227,7 @@ const std::string kObjects =
 class ObjectJob : public Layer2Row {
  public:
   explicit ObjectJob(bool held = false)
-      : Layer2Row(kBus + kObjects, kBus + "[[object]]\nnumber = 2\nidentifier = 0x500\n"), held_(held) {}
+      : Layer2Row(kObjects, "[[object]]\nnumber = 2\nidentifier = 0x500\n"), held_(held) {}
   bool is_job() const override { return !held_; }
   void give(Giver giver) override {
     layer2_ObjectRequest request = {};
@@ -271,7 +264,7 @@ class HeldObject final : public ObjectJob {
     asks.id = kIdentifier;
     asks.remote = true;
     asks.dlc = 1;
-    daemon().bus.bring(asks);
+    bus().bring(asks);
   }
 
  private:

@@ -1,8 +1,9 @@
 // What may be given to a master of CANsync.
+#include <gtest/gtest.h>
+
 #include <array>
-#include <condition_variable>
+#include <chrono>
 #include <cstdint>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <utility>
@@ -11,61 +12,21 @@
 #include "cansync.h"
 #include "cansync/dds/topics.h"
 #include "cansync/sim/drive_parameters.h"
-#include "cansync/telegram/telegram.h"
 #include "daemon/cansync/bus/bus_plan.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/gateway/gateway.h"
 #include "daemon/cansync/realtime/realtime_loop.h"
 #include "daemon/cansync/segment/load_checked.h"
 #include "daemon/cansync/status/gateway_state.h"
+#include "paced_bus.h"
 #include "row_on.h"
 #include "rows.h"
+#include "telegrams.h"
 
 namespace given {
 namespace {
 
 using std::chrono::milliseconds;
-
-/// A bus whose time goes on as far as the test lets it; the loop on it has a thread of its own.
-class PacedBus final : public DisturbedBus {
- public:
-  using DisturbedBus::DisturbedBus;
-
-  can::Wake wait_until(can::Time deadline) noexcept override {
-    std::unique_lock lock(mutex_);
-    while (deadline > limit_) {
-      if (behind_.now() < limit_) {
-        const can::Wake wake = behind_.wait_until(limit_);
-        if (wake == can::Wake::frame) return wake;
-      }
-      parked_ = true;
-      changed_.notify_all();
-      changed_.wait(lock, [&] { return !parked_; });
-    }
-    return behind_.wait_until(deadline);
-  }
-  /// Time goes on to `limit`; returns when it stands there.
-  void go_on(can::Time limit) {
-    std::unique_lock lock(mutex_);
-    limit_ = limit;
-    parked_ = false;
-    changed_.notify_all();
-    changed_.wait(lock, [&] { return parked_; });
-  }
-  /// Time stands no more.
-  void let_end() {
-    const std::lock_guard lock(mutex_);
-    limit_ = can::Time::max();
-    parked_ = false;
-    changed_.notify_all();
-  }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  can::Time limit_{0};
-  bool parked_ = false;
-};
 
 struct MasterParts {
   using File = cansyncd::ConfigFile;
@@ -74,61 +35,54 @@ struct MasterParts {
   }
 };
 
-/// As `Daemon`, for a loop that runs on a thread.
-class MasterDaemon {
+class MasterDaemon final : public Daemon {
  public:
-  MasterDaemon(cansyncd::ConfigFile file, const gateway::dds::ParticipantOptions& where,
+  MasterDaemon(const std::string& text, const gateway::dds::ParticipantOptions& place,
                cansyncd::JournalSink& journal, std::uint8_t start)
-      : file_(std::move(file)),
-        identity{0xDA, start},
-        participant_(where),
+      : Daemon(start),
+        file_(load<MasterParts>(text)),
+        participant_(place),
         line_({.bits_per_second = file_.config.bus.bits_per_second},
               std::move(cansyncd::bus_plan(file_.config).sim.nodes)),
-        bus(line_),
-        exchange(cansyncd::ExchangeSizes{}),
-        gateway(file_.config, exchange, participant_, journal, identity),
-        loop_(file_.config.master, loop_settings(), bus, exchange) {}
-  ~MasterDaemon() { stop(); }
+        bus_(line_),
+        exchange_(cansyncd::ExchangeSizes{}),
+        gateway_(file_.config, exchange_, participant_, journal, identity),
+        loop_(file_.config.master, loop_settings(), bus_, exchange_) {}
+  ~MasterDaemon() override { stop(); }
 
-  void start() {
-    gateway.start();
+  void start() override {
+    gateway_.start();
     thread_ = std::thread([this] { loop_.run(); });
-    bus.go_on(milliseconds(1));
+    bus_.go_on(milliseconds(1));
   }
-  void stop() {
+  void stop() override {
     if (!thread_.joinable()) return;
     loop_.request_stop();
-    bus.let_end();
+    bus_.let_end();
     thread_.join();
-    gateway.stop();
+    gateway_.stop();
   }
-  void run(can::Time span) {
-    pass_time(*this, span, [this](can::Time until) { bus.go_on(until); });
+  void run(can::Time span) override {
+    pass_time(*this, span, [this](can::Time until) { bus_.go_on(until); });
   }
+  void settle() override { given::settle(gateway_, exchange_); }
+  void set_read_only(bool read_only) override { given::set_read_only(gateway_, file_.config, read_only); }
+  void reload(const std::string& text) override { gateway_.reload(load<MasterParts>(text).config); }
+  DisturbedBus& bus() override { return bus_; }
 
  private:
   cansyncd::LoopSettings loop_settings() {
-    cansyncd::LoopSettings settings;
+    cansyncd::LoopSettings settings = in_virtual_time(cansyncd::LoopSettings{});
     settings.sync_wire = &line_;
-    settings.wall_clock = nullptr;
     return settings;
   }
 
   cansyncd::ConfigFile file_;
-
- public:
-  const cansyncd::DaemonIdentity identity;
-
- private:
   gateway::dds::Participant participant_;
   sim::Line line_;
-
- public:
-  PacedBus bus;
-  cansyncd::Exchange exchange;
-  cansyncd::Gateway gateway;
-
- private:
+  PacedBus bus_;
+  cansyncd::Exchange exchange_;
+  cansyncd::Gateway gateway_;
   cansyncd::RealtimeLoop loop_;
   std::thread thread_;
 };
@@ -153,8 +107,12 @@ number = 0
 number = 1
 )";
 
-class MasterRow : public RowOn<MasterParts, MasterDaemon> {
+/// On the daemon of a master, whose line is in run.
+class LineRow : public RowOn {
  public:
+  explicit LineRow(const ProtocolUnderTest& protocol) : RowOn(protocol), settles_(protocol.settles) {
+    activate();
+  }
   void set_running(bool running) override {
     if (!running) return set_mode(cansync_MODE_STOP);
     set_mode(cansync_MODE_SETUP);
@@ -167,19 +125,12 @@ class MasterRow : public RowOn<MasterParts, MasterDaemon> {
   }
 
  protected:
-  explicit MasterRow(const std::string& changed = {})
-      : RowOn(kLine, changed.empty() ? kLine : kLine + changed) {
-    activate();
-  }
-
-  /// The telegrams of a kind that stood on the bus.
+  /// The telegrams of a kind that stood on the bus: `word(telegram)`, as `frames` has it.
   template <class Telegram, class Word>
   std::string telegrams(Word&& word) {
     return frames([&](const can::Frame& frame) {
-      const cansync::Decoded decoded = cansync::decode(frame);
-      const auto* telegram = std::get_if<cansync::Telegram>(&decoded);
-      const Telegram* one = telegram != nullptr ? std::get_if<Telegram>(telegram) : nullptr;
-      return one != nullptr ? std::string(word(*one)) : std::string();
+      const auto telegram = telegram_of<Telegram>(frame);
+      return telegram ? std::string(word(*telegram)) : std::string();
     });
   }
 
@@ -192,20 +143,23 @@ class MasterRow : public RowOn<MasterParts, MasterDaemon> {
   }
   /// The line is in run, and every slave is synchronized.
   void activate() {
-    daemon().bus.concerns = [](const can::Frame& frame) {
-      const cansync::Decoded decoded = cansync::decode(frame);
-      const auto* telegram = std::get_if<cansync::Telegram>(&decoded);
-      return telegram != nullptr && !std::holds_alternative<cansync::ReferenceTelegram>(*telegram);
+    bus().concerns = [](const can::Frame& frame) {
+      return std::holds_alternative<cansync::Telegram>(cansync::decode(frame)) &&
+             !telegram_of<cansync::ReferenceTelegram>(frame);
     };
     for (int i = 0; i < 100 && watcher().newest<cansync_MasterStatus>().slaves_synchronized != 3; ++i)
       run(milliseconds(50));
     EXPECT_EQ(watcher().newest<cansync_MasterStatus>().slaves_synchronized, 3u);
+    run(settles_);
   }
+
+  const milliseconds settles_;
 };
 
-/// Reference values of telegram 1.
-class References final : public MasterRow {
+/// Reference values of telegram 1: value 0 by the first, value 1 by the second.
+class References final : public LineRow {
  public:
+  using LineRow::LineRow;
   bool is_job() const override { return false; }
   unsigned burst() const override { return 10; }
   /// From now on it gives its values again and again, as programs do.
@@ -222,11 +176,11 @@ class References final : public MasterRow {
   }
   void restart() override {
     gives_ = {};
-    MasterRow::restart();
+    LineRow::restart();
   }
   void kill(Giver giver) override {
     gives_[index(giver)] = false;
-    MasterRow::kill(giver);
+    LineRow::kill(giver);
   }
   void each_step() override {
     for (const Giver giver : {Giver::first, Giver::second}) {
@@ -235,26 +189,23 @@ class References final : public MasterRow {
   }
   std::string on_bus() override {
     return telegrams<cansync::ReferenceTelegram>([](const cansync::ReferenceTelegram& telegram) {
-      if (telegram.channel != cansync::Channel::one || telegram.words == 0) return "";
-      return telegram.word[0] == 0 ? "zero" : telegram.word[0] == 1 ? "first" : "second";
+      if (telegram.channel != cansync::Channel::one || telegram.words == 0) return std::string();
+      return whose(telegram.word[0], telegram.word[2]);
     });
   }
   std::string told() override {
     // The status tells of another giver after this time.
     std::this_thread::sleep_for(cansyncd::StatePublisher::kGiversPeriod);
     run(milliseconds(10));
-    const cansync_ReferenceRelease& release = watcher().newest<cansync_MasterStatus>().reference_release[0];
-    if (gateway::dds::text(release.writer) == "") return "nobody has it";
-    if (release.strength == 1) return "has it";
-    return gateway::dds::text(release.waiting_writer) == "" ? "another has it" : "waits";
+    return ownership_word(watcher().newest<cansync_MasterStatus>().reference_release[0]);
   }
 
  private:
   void write(Giver giver) {
     cansync_ReferenceValues sample = {};
     sample.telegram = 1;
-    sample.value[0] = giver == Giver::first ? 1 : 2;
-    sample.valid = 1;
+    sample.value[index(giver)] = value_of(giver);
+    sample.valid = static_cast<std::uint8_t>(1U << index(giver));
     sample.release_intervals = 50;
     sample.mapping_number = watcher().newest<cansync_MasterStatus>().mapping_number;
     program(giver).give(sample);
@@ -263,9 +214,9 @@ class References final : public MasterRow {
 };
 
 /// A write or read of a parameter.
-class ParameterJob : public MasterRow {
+class ParameterJob : public LineRow {
  public:
-  explicit ParameterJob(bool write) : write_(write) {}
+  ParameterJob(const ProtocolUnderTest& protocol, bool write) : LineRow(protocol), write_(write) {}
   bool is_job() const override { return true; }
   void give(Giver giver) override {
     cansync_ParameterRequest request = {};
@@ -296,16 +247,17 @@ class ParameterJob : public MasterRow {
 };
 class Write final : public ParameterJob {
  public:
-  Write() : ParameterJob(true) {}
+  explicit Write(const ProtocolUnderTest& protocol) : ParameterJob(protocol, true) {}
 };
 class Read final : public ParameterJob {
  public:
-  Read() : ParameterJob(false) {}
+  explicit Read(const ProtocolUnderTest& protocol) : ParameterJob(protocol, false) {}
 };
 
 /// A control word that enables.
-class ControlWord final : public MasterRow {
+class ControlWord final : public LineRow {
  public:
+  using LineRow::LineRow;
   bool is_job() const override { return true; }
   void give(Giver giver) override {
     cansync_Command command = {};
@@ -330,8 +282,9 @@ class ControlWord final : public MasterRow {
 };
 
 /// A download of twelve bytes.
-class Download final : public MasterRow {
+class Download final : public LineRow {
  public:
+  using LineRow::LineRow;
   bool is_job() const override { return true; }
   void give(Giver giver) override {
     std::array<std::uint8_t, 12> bytes = {};
@@ -361,12 +314,20 @@ class Download final : public MasterRow {
 
 }  // namespace
 
+void add_references(Rows& rows, const std::string& name, const ProtocolUnderTest& under_test) {
+  rows.add<References>(name, under_test);
+}
+
+void add_line_rows(Rows& rows, const std::string& protocol, const ProtocolUnderTest& under_test) {
+  add_references(rows, protocol + ".references", under_test);
+  rows.add<Write>(protocol + ".write", under_test);
+  rows.add<Read>(protocol + ".read", under_test);
+  rows.add<ControlWord>(protocol + ".control_word", under_test);
+  rows.add<Download>(protocol + ".download", under_test);
+}
+
 void add_master_rows(Rows& rows) {
-  rows.add<References>("master.references");
-  rows.add<Write>("master.write");
-  rows.add<Read>("master.read");
-  rows.add<ControlWord>("master.control_word");
-  rows.add<Download>("master.download");
+  add_line_rows(rows, "master", {make_daemon<MasterDaemon>, kLine});
 }
 
 }  // namespace given

@@ -14,6 +14,8 @@
 #include "dds/bounded_text.h"
 #include "dds/daemon_identity.h"
 #include "dds/endpoint.h"
+#include "dds/gateway_topics.h"
+#include "dds/owner_seen.h"
 #include "dds/participant.h"
 #include "dds/reply_partition.h"
 
@@ -36,6 +38,11 @@ class Program {
     gateway::dds::set_daemon(daemon_, sample);
     std::fill(std::begin(sample.writer), std::end(sample.writer), number_);
     (void)writer<Sample>().write(sample);
+  }
+  /// As DDS knows its writer of a topic.
+  template <class Sample>
+  std::array<std::uint8_t, 16> guid() {
+    return gateway::dds::guid_of(writer<Sample>());
   }
   /// Asks for something; returns the number of the request. `Reply`: the topic of its one answer.
   template <class Reply, class Request>
@@ -64,6 +71,12 @@ class Program {
   void take_answers(Take&& take) {
     reader<Reply>().take(take);
   }
+  /// The samples of a topic of the bus that have come since the last call: `take(const Sample&)`.
+  template <class Sample, class Take>
+  void take_samples(Take&& take) {
+    using Made = gateway::dds::Reader<Sample>;
+    made<Made>(ends_, [&] { return std::make_shared<Made>(participant_); }).take(take);
+  }
   /// The newest sample of a topic of the bus; all 0 when there is none.
   template <class Sample>
   const Sample& newest() {
@@ -73,8 +86,8 @@ class Program {
     return one.sample;
   }
 
-  std::uint8_t number() const { return number_; }
-  std::int32_t strength() const { return strength_; }
+  /// So many requests so far.
+  std::uint64_t requests() const { return requests_; }
 
  private:
   template <class Sample>

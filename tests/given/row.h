@@ -66,6 +66,9 @@ class Row {
   virtual std::string told() = 0;
   /// By everybody: events.
   virtual std::string events() = 0;
+
+  /// Requests of the first giver without an answer so far.
+  virtual std::uint64_t unanswered() const = 0;
 };
 
 }  // namespace given
