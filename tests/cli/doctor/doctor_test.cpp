@@ -304,8 +304,12 @@ INSTANTIATE_TEST_SUITE_P(
               "the daemon has number 3", "update cansyncd"},
         Fault{"data model", Level::warning, [](In& in) { in.status->gateway.data_model = 5; },
               "this program 4", "update cansync"},
-        Fault{"interface", Level::error, [](In& in) { in.link = {}; }, "no such interface",
-              "ip -br link show type can"},
+        Fault{"interface", Level::error,
+              [](In& in) {
+                in.link = {};
+                put(in.status->bus.link_state, "missing");
+              },
+              "no such interface", "ip -br link show type can"},
         Fault{"interface", Level::error, [](In& in) { in.link.is_can = false; }, "no CAN interface",
               "bus.interface"},
         Fault{"interface", Level::error, [](In& in) { in.link.up = false; }, "can0 is down",
@@ -498,13 +502,54 @@ TEST(Doctor, SetUpThatWaitsForASlaveSaysForWhich) {
   EXPECT_EQ(exit_code(findings, true), ExitCode::faults);
 }
 
-TEST(Doctor, WithDdsSecurityAnotherInterfaceIsNoFault) {
+/// The interface is in a network namespace with the daemon, which says that it is up.
+DoctorInput apart() {
   DoctorInput in = healthy();
+  in.link = {};
+  return in;
+}
+
+TEST(Doctor, WithDdsSecurityAnotherInterfaceIsNoFault) {
+  DoctorInput in = apart();
   put(in.status->gateway.dds_interface, "eth0");
   in.status->gateway.secured = true;
   const auto findings = diagnose(in);
   EXPECT_EQ(exit_code(findings, true), ExitCode::done);
   EXPECT_NE(find(findings, "DDS")->found.find("eth0, DDS Security on"), std::string::npos);
+}
+
+TEST(Doctor, DdsSecurityDoesNotKeepProgramsOfThisComputerFromTheBus) {
+  DoctorInput in = healthy();
+  in.status->gateway.secured = true;
+  auto findings = diagnose(in);
+  ASSERT_NE(find(findings, "bus access"), nullptr);
+  EXPECT_EQ(find(findings, "bus access")->level, Level::warning);
+  EXPECT_NE(find(findings, "bus access")->remedy.find("cansync-apart@.service"), std::string::npos);
+  in = apart();
+  in.status->gateway.secured = true;
+  findings = diagnose(in);
+  EXPECT_EQ(find(findings, "bus access")->level, Level::ok);
+  in.interface_name = "sim";
+  EXPECT_EQ(find(diagnose(in), "bus access"), nullptr);
+}
+
+TEST(Doctor, OfADaemonOfAnotherComputerTheInterfaceIsNotLookedAt) {
+  DoctorInput in = apart();
+  put(in.status->gateway.host, "plc2");
+  in.status->gateway.secured = true;
+  const auto findings = diagnose(in);
+  EXPECT_NE(find(findings, "interface")->found.find("computer plc2"), std::string::npos);
+  EXPECT_EQ(find(findings, "bus access"), nullptr);
+}
+
+TEST(Doctor, AnInterfaceInANetworkNamespaceIsNotMissing) {
+  DoctorInput in = apart();
+  EXPECT_EQ(find(diagnose(in), "interface")->level, Level::ok);
+  put(in.status->bus.controller_state, "bus-off");
+  EXPECT_NE(find(diagnose(in), "controller")->remedy.find("ip -n cansync-can0 link set can0 down && ip -n"),
+            std::string::npos);
+  put(in.status->bus.link_state, "missing");
+  EXPECT_EQ(find(diagnose(in), "interface")->level, Level::error);
 }
 
 TEST(Doctor, ABusWithoutSyncHasNoFindingOnIt) {

@@ -338,3 +338,41 @@ class Running(unittest.TestCase):
         self.assertEqual((main_pid(), after["daemon"]), (pid, before["daemon"]))
         self.assertEqual(properties("NRestarts"), restarts)
         self.assertEqual(after["missed_syncs"], before["missed_syncs"])
+
+    def test_19_apart_from_other_programs(self):
+        name = "vcan8"
+        examples = pathlib.Path("/usr/share/doc/cansyncd/examples")
+        units = pathlib.Path("/etc/systemd/system")
+        example = (examples / "cansync-apart@.service").read_text(encoding="utf-8")
+        # A virtual interface has no bit rate: what would set it is looked at, and done without.
+        self.assertIn(" link set %I type can bitrate ${BIT_RATE} ", example)
+        (units / "cansync-apart@.service").write_text(example.replace(" type can bitrate ${BIT_RATE} sample-point 0.600 restart-ms 100", " mtu 16"), encoding="utf-8")
+        drop_in = units / f"cansyncd@{name}.service.d"
+        drop_in.mkdir()
+        shutil.copy(examples / "apart.conf", drop_in)
+        file = pathlib.Path(f"/etc/cansync/{name}.toml")
+        file.write_text(f'[bus]\ninterface = "{name}"\nprotocol = "layer2"\nbit_rate = 500000\n[dds]\ninterface = "dds"\n', encoding="utf-8")
+        run("systemctl", "daemon-reload")
+        run("systemctl", "enable", f"cansync-apart@{name}")
+        run("ip", "link", "add", "dev", name, "type", "vcan")
+        run("systemctl", "start", f"cansyncd@{name}")
+        reach = ("--interface", f"dds-{name}", "--bus", name)
+        for there in (True, False, True):
+            if not there:  # unplugged, and plugged in again
+                run("ip", "-n", f"cansync-{name}", "link", "delete", name)
+                wait_for("it has lost its interface", lambda: cansync(*reach, "status")[0]["link_state"] == "missing")
+                run("ip", "link", "add", "dev", name, "type", "vcan")
+            wait_for("it has its interface", lambda: cansync(*reach, "status")[0]["link_state"] == "up")
+            run("cansync", *reach, "can", "send", "123#11")
+            # No other program, not even one of root, finds the interface.
+            found = run("python3", "-c", "import socket; socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW).bind(('" + name + "',))",
+                        expect=1)
+            self.assertIn("No such device", found)
+        self.assertIn("network namespace", {o["topic"]: o for o in cansync(*reach, "doctor", expect=None)}["interface"]["found"])
+        run("systemctl", "stop", f"cansyncd@{name}")
+        run("systemctl", "disable", f"cansync-apart@{name}")
+        run("ip", "netns", "delete", f"cansync-{name}")
+        for path in (file, units / "cansync-apart@.service"):
+            path.unlink()
+        shutil.rmtree(drop_in)
+        run("systemctl", "daemon-reload")

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "can/link_kernel.h"
+#include "cli/base/own_process.h"
 #include "cli/base/verb_groups.h"
 #include "cli/cansync/fault_words.h"
 #include "cli/doctor/doctor_findings.h"
@@ -167,6 +168,7 @@ ExitCode doctor_verb(Session& session, std::span<const ProtocolVerbs* const> pro
   in.unit = configured ? configured->unit : in.interface_name == kSimulated ? in.bus : in.interface_name;
   in.machine = read_machine("/", in.status ? in.status->realtime.realtime_cpu : -1);
   in.host = read_host("/");
+  in.host_name = name_of_this_host();
   ask_kernel(in);
   in.places = gateway::dds::places_taken(session.globals().domain);
   const std::vector<Finding> found = with_options(diagnose(in), options_of(session.globals()));

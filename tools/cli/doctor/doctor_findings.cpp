@@ -188,6 +188,19 @@ void look_at_dds(const DoctorInput& in, const Status& status, FindingList& out) 
                 "set dds.interface = \"lo\", or use DDS Security (docs/security.md)");
 }
 
+/// Who may not ask the daemon has the bus itself.
+void look_at_bus_access(const DoctorInput& in, const Status& status, FindingList& out) {
+  if (!status.gateway.secured || in.interface_name == kSimulated || is_elsewhere(in)) return;
+  if (is_apart(in))
+    out.ok("bus access", "no other program of this computer can send on the bus");
+  else if (in.link.present)
+    out.warning("bus access",
+                fmt::format("every program of this computer can send on {}, whatever DDS Security lets it do",
+                            in.interface_name),
+                "put it into a network namespace with the daemon: examples cansync-apart@.service and "
+                "apart.conf (docs/security.md, \"The bus itself\")");
+}
+
 /// A daemon that is not where its configuration wants it.
 void look_at_network(const Status& status, FindingList& out) {
   const std::string_view reason = status.gateway.network_reason;
@@ -347,6 +360,7 @@ std::vector<Finding> diagnose(const DoctorInput& in) {
   }
   if (in.status) {
     look_at_dds(in, *in.status, out);
+    look_at_bus_access(in, *in.status, out);
     look_at_network(*in.status, out);
     look_at_identity(*in.status, out);
   }

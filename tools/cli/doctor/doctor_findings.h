@@ -51,6 +51,7 @@ struct DoctorInput {
   std::string newest_incompatible;     ///< the event that told of the newest; empty: none is known
   std::string newest_missed;           ///< when SYNC edges were missed last; empty: not known
   std::string reload_refused;  ///< why the newest reading of the configuration was refused; empty: it was not
+  std::string host_name;       ///< of this computer
   MachineFacts machine;
   HostFacts host;
   std::string interface_name;                   ///< the bus's CAN interface; "sim" for a simulated line

@@ -78,6 +78,16 @@ std::string set_link(const std::string& name, std::string_view setting) {
                      setting);
 }
 
+/// The command `ip` for the interface: also in the namespace that the example cansync-apart@.service makes.
+std::string ip_of(const DoctorInput& in) {
+  return is_apart(in) ? "ip -n cansync-" + in.interface_name : std::string("ip");
+}
+
+/// Commands that set the interface down and up.
+std::string down_and_up(const DoctorInput& in) {
+  return fmt::format("{0} link set {1} down && {0} link set {1} up", ip_of(in), in.interface_name);
+}
+
 /// Commands that set the bit timing and set the interface up.
 std::string set_timing(const DoctorInput& in) {
   const std::uint32_t bit_rate = wanted_bit_rate(in).value_or(kUsualBitRate);
@@ -99,6 +109,15 @@ bool look_at_presence(const DoctorInput& in, FindingList& out) {
   if (!in.kernel_silent.empty()) {
     out.warning("interface", fmt::format("the kernel cannot be asked for {}: {}", name, in.kernel_silent),
                 "ip -details link show " + name);
+    return false;
+  }
+  if (is_elsewhere(in)) {
+    out.ok("interface", fmt::format("{} is on computer {}: `cansync doctor` there looks at it", name,
+                                    client::text(in.status->gateway.host)));
+    return false;
+  }
+  if (is_apart(in)) {
+    out.ok("interface", fmt::format("{} is in a network namespace with the daemon, which has it", name));
     return false;
   }
   if (!in.link.present) {
@@ -264,7 +283,7 @@ void look_at_queue(const DoctorInput& in, FindingList& out) {
 
 /// Out of bus-off, as root; and by the daemon, where its protocol has a command for it and it has the right.
 std::string out_of_bus_off(const DoctorInput& in) {
-  std::string as_root = fmt::format("ip link set {0} down && ip link set {0} up", in.interface_name);
+  std::string as_root = down_and_up(in);
   if (!in.status || in.status->reset_command.empty()) return as_root;
   return fmt::format("{}; or as root: {}", in.status->reset_command, as_root);
 }
@@ -276,7 +295,7 @@ void look_at_state(const DoctorInput& in, std::string_view state, const std::str
   else if (state == "bus-off")
     out.error("controller", "bus-off: takes no part in the bus", out_of_bus_off(in));
   else if (state == "stopped")
-    out.error("controller", "stopped", fmt::format("ip link set {} up", in.interface_name));
+    out.error("controller", "stopped", fmt::format("{} link set {} up", ip_of(in), in.interface_name));
   else
     out.warning("controller", std::string(state), wiring);
 }
@@ -290,15 +309,24 @@ void look_at_delivery(const DoctorInput& in, const std::string& wiring, FindingL
     out.error(
         "controller",
         "nobody on the bus acknowledges, and it cannot be reset: telegrams stand in it and go out later",
-        fmt::format("before the cable is back: ip link set {0} down && ip link set {0} up",
-                    in.interface_name));
+        "before the cable is back: " + down_and_up(in));
 }
 
 }  // namespace
 
+bool is_elsewhere(const DoctorInput& in) {
+  return in.status && !client::text(in.status->gateway.host).empty() &&
+         client::text(in.status->gateway.host) != in.host_name;
+}
+
+bool is_apart(const DoctorInput& in) {
+  return !in.link.present && in.kernel_silent.empty() && in.interface_name != kSimulated && in.status &&
+         !is_elsewhere(in) && in.status->bus.link_state != can::name(can::LinkState::missing);
+}
+
 void look_at_link(const DoctorInput& in, FindingList& out) {
   const bool has_settings = look_at_presence(in, out);
-  if (in.link.is_can) look_at_adapter(in, out);
+  if (in.link.is_can && !is_elsewhere(in)) look_at_adapter(in, out);
   if (!has_settings) return;
   look_at_timing(in, out);
   look_at_restart(in, out);
@@ -308,10 +336,10 @@ void look_at_link(const DoctorInput& in, FindingList& out) {
 }
 
 void look_at_controller(const DoctorInput& in, FindingList& out) {
-  const std::string wiring =
-      "check wiring, the two terminators of 120 ohm and every slave's bit rate; ip -details -statistics link "
-      "show " +
-      in.interface_name;
+  const std::string wiring = fmt::format(
+      "check wiring, the two terminators of 120 ohm and every slave's bit rate; {} -details -statistics "
+      "link show {}",
+      ip_of(in), in.interface_name);
   std::uint32_t transmit = in.link.transmit_errors;
   std::uint32_t receive = in.link.receive_errors;
   if (in.status) {
