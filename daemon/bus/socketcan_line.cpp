@@ -47,7 +47,7 @@ std::string interface_refusal(const BusConfig& bus, const can::LinkFacts& facts)
   const std::uint32_t wanted = bus.bits_per_second;
   if (facts.timing && !can::keeps_bit_rate(*facts.timing, wanted)) {
     return fmt::format("{} is set to {} bit/s, bus.bit_rate is {}; set it with: {}{}", name,
-                       facts.timing->bits_per_second, wanted, bit_rate_command(bus),
+                       facts.timing->bits_per_second, wanted, bit_rate_command(bus, facts),
                        inexact_clock(facts, wanted));
   }
   if (bus.one_shot != OneShot::enforce || facts.one_shot.value_or(true)) return "";

@@ -68,7 +68,7 @@ EventText link_event(const can::ControllerStatus& to, const BusConfig& bus, cons
       return event(
           gateway_SEVERITY_ERROR, "wrong_bit_rate",
           fmt::format("{} is set to {} bit/s instead of {}, nothing is sent; set it with: {}", bus.interface,
-                      to.bits_per_second, bus.bits_per_second, bit_rate_command(bus)));
+                      to.bits_per_second, bus.bits_per_second, bit_rate_command(bus, link)));
     case can::LinkState::not_one_shot:
       return event(
           gateway_SEVERITY_ERROR, "not_one_shot",

@@ -64,16 +64,17 @@ std::uint16_t wanted_sample_point(const BusConfig& bus) {
   return timing ? timing->sample_point : std::uint16_t{0};
 }
 
-std::string bit_rate_command(const BusConfig& bus) {
+std::string bit_rate_command(const BusConfig& bus, const can::LinkFacts& link) {
   const unsigned wanted = wanted_sample_point(bus);
   const std::string sample_point = wanted != 0 ? fmt::format(" sample-point 0.{:03}", wanted) : std::string();
-  return fmt::format("ip link set {0} down; ip link set {0} type can bitrate {1}{2}; ip link set {0} up",
-                     bus.interface, bus.bits_per_second, sample_point);
+  return fmt::format("ip link set {0} down; ip link set {0} type can bitrate {1}{2}{3}; ip link set {0} up",
+                     bus.interface, bus.bits_per_second, sample_point,
+                     link.listen_only ? " listen-only off" : "");
 }
 
 std::string set_up_command(const BusConfig& bus, const can::LinkFacts& link) {
   const std::string_view driver(link.driver_kind.data());
-  if (driver.empty() || driver == "can") return bit_rate_command(bus);
+  if (driver.empty() || driver == "can") return bit_rate_command(bus, link);
   return fmt::format("ip link set {} up", bus.interface);
 }
 

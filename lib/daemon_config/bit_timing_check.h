@@ -23,11 +23,12 @@ std::optional<BitTimingProblem> check_bit_timing(const BusConfig& bus);
 /// 0: any.
 std::uint16_t wanted_sample_point(const BusConfig& bus);
 
-/// Shell command that sets the interface to the configured bit timing and up.
-std::string bit_rate_command(const BusConfig& bus);
+/// Shell command that sets the interface to the configured bit timing and up, and so that it sends. `link`: what the
+/// kernel knows of it.
+std::string bit_rate_command(const BusConfig& bus, const can::LinkFacts& link);
 
 /// Shell command that sets an interface up that is down: without bit timing where its driver has none (vcan,
-/// slcan). `link`: what the kernel knows of it.
+/// slcan). `link`: as above.
 std::string set_up_command(const BusConfig& bus, const can::LinkFacts& link);
 
 /// Shell command that sets the interface to one-shot mode and up.

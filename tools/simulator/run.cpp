@@ -46,7 +46,7 @@ std::string remedy(Link link, const std::string& interface) {
     case Link::down: {
       can::LinkFacts facts = can::make_link_kernel()->read(interface);
       facts.present = true;
-      return can::link_remedy(interface, facts);
+      return facts.listen_only ? can::sending_remedy(interface) : can::link_remedy(interface, facts);
     }
     case Link::up:
       break;

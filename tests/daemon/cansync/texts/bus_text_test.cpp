@@ -32,14 +32,14 @@ TEST(BitTiming, PresetsOfBothControllersFitTheirBitRates) {
 TEST(BitTiming, TheSamplePointIsThatOfTheProtocol) {
   BusConfig bus = can_config(cansync::BitRate::kbit250).bus;
   EXPECT_EQ(
-      bit_rate_command(bus),
+      bit_rate_command(bus, {}),
       "ip link set can0 down; ip link set can0 type can bitrate 250000 sample-point 0.600; ip link set can0 up");
   bus.sample_point = 875;
   EXPECT_EQ(
-      bit_rate_command(bus),
+      bit_rate_command(bus, {}),
       "ip link set can0 down; ip link set can0 type can bitrate 250000 sample-point 0.875; ip link set can0 up");
   bus.sample_point = 0;
-  EXPECT_EQ(bit_rate_command(bus),
+  EXPECT_EQ(bit_rate_command(bus, {}),
             "ip link set can0 down; ip link set can0 type can bitrate 250000; ip link set can0 up");
   bus.btr0 = 0x43;
   bus.btr1 = 0x34;
@@ -120,6 +120,9 @@ TEST(BusEvents, EachStateOfTheInterfaceSaysWhatToDo) {
   EXPECT_NE(down().find("set it up with: ip link set can0 down; ip link set can0 type can bitrate"),
             std::string::npos)
       << down();
+  link.listen_only = true;
+  EXPECT_NE(down().find(" listen-only off; ip link set can0 up"), std::string::npos) << down();
+  link.listen_only = false;
   // A virtual interface has no bit timing: `ip` refuses to set one.
   link.driver_kind = {'v', 'c', 'a', 'n'};
   EXPECT_EQ(down(), "can0 is down, nothing is sent; set it up with: ip link set can0 up");
