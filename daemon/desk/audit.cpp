@@ -23,8 +23,8 @@ std::string line_of(const RequestSeries::Sum& sum) {
   line += fmt::format(" = {} (before: {}) by {}: {}", change.new_value, request.before, request.who.label,
                       request.result);
   if (sum.within > std::chrono::seconds(0))
-    line += fmt::format(" (the last of {} more within {} s{})", sum.count, sum.within.count(),
-                        sum.several ? ", of several" : "");
+    line += fmt::format(" (the last of {} more within {} s{}{})", sum.count, sum.within.count(),
+                        sum.of.empty() ? "" : ", of ", sum.of);
   return line;
 }
 

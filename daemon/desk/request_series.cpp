@@ -9,11 +9,13 @@ namespace cansyncd {
 namespace {
 
 /// The text of a refusal names values; which refusal it is its first word says.
-std::string key_of(const RecordedRequest& request, std::string_view series) {
+std::string_view end_of(const RecordedRequest& request) {
   const std::string_view result = request.result;
-  const std::size_t second_colon = result.find(':', result.find(':') + 1);
-  return fmt::format("{}\n{}\n{}\n{}", request.who.label, request.change.action, series,
-                     result.substr(0, second_colon));
+  return result.substr(0, result.find(':', result.find(':') + 1));
+}
+
+std::string key_of(const RecordedRequest& request, std::string_view series) {
+  return fmt::format("{}\n{}\n{}\n{}", request.who.label, request.change.action, series, end_of(request));
 }
 
 }  // namespace
@@ -23,17 +25,25 @@ SteadyTime RequestSeries::Series::due() const {
   return counted == 0 ? ends : std::min(ends, recorded + kTogether);
 }
 
+bool RequestSeries::has_room(const std::string& key, std::size_t most) const {
+  return series_.size() < most || series_.count(key) != 0;
+}
+
 std::optional<RequestSeries::Sum> RequestSeries::add(RecordedRequest request, SteadyTime now) {
   std::string key = key_of(request, request.change.series);
-  bool several = false;
-  if (series_.size() >= kMost && series_.count(key) == 0) {
+  std::string_view of;
+  if (!has_room(key, kMost)) {
+    of = "several";
     key = key_of(request, "");
-    several = true;
+  }
+  if (!has_room(key, 2 * kMost)) {
+    of = "several clients";
+    key = end_of(request);
   }
   const auto [found, is_new] = series_.try_emplace(std::move(key));
   Series& series = found->second;
   if (is_new) {
-    series = {request, 0, now, now, several};
+    series = {request, 0, now, now, of};
     return Sum{std::move(request)};
   }
   series.newest = std::move(request);
@@ -53,7 +63,7 @@ std::vector<RequestSeries::Sum> RequestSeries::take(SteadyTime now, bool all) {
     if (series.counted > 0) {
       sums.push_back({series.newest, std::exchange(series.counted, 0),
                       std::chrono::ceil<std::chrono::seconds>(now - std::exchange(series.recorded, now)),
-                      series.several});
+                      series.of});
     }
     next = all || series.came + kEnds <= now ? series_.erase(next) : std::next(next);
   }

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "daemon/desk/gateway_events.h"
@@ -18,7 +19,8 @@ namespace cansyncd {
 /// recorded together, each minute and when none has come for a while. Gateway thread only.
 class RequestSeries {
  public:
-  /// Series that are kept apart; of those beyond, what one client sends of a kind with one end is one.
+  /// Series that are kept apart; of those beyond, what one client sends of a kind with one end is one, and of as many
+  /// again what all clients send with one end.
   static constexpr std::size_t kMost = 256;
   /// Between two entries of a series that goes on.
   static constexpr std::chrono::minutes kTogether{1};
@@ -30,7 +32,7 @@ class RequestSeries {
     RecordedRequest newest;
     std::uint64_t count = 1;
     std::chrono::seconds within{0};  ///< since the entry before, rounded up; 0: it is the first
-    bool several = false;            ///< of several series, for which there was no room
+    std::string_view of = {};  ///< "several", "several clients": of all these, for which there was no room
   };
 
   /// Nothing: it was counted. Else it is to be recorded now.
@@ -43,12 +45,14 @@ class RequestSeries {
   std::optional<SteadyTime> next() const;
 
  private:
+  bool has_room(const std::string& key, std::size_t most) const;
+
   struct Series {
     RecordedRequest newest;
     std::uint64_t counted = 0;  ///< since `recorded`
     SteadyTime recorded;
     SteadyTime came;
-    bool several = false;
+    std::string_view of;
     SteadyTime due() const;
   };
   std::map<std::string, Series> series_;

@@ -102,7 +102,28 @@ TEST(RequestSeries, WhoSendsOnEveryIdentifierFillsNothing) {
   for (int i = 0; i < 5000; ++i) trail.send("plc", std::to_string(i), "01");
   EXPECT_EQ(trail.journal.all().size(), RequestSeries::kMost + 1);
   trail.pass(minutes(1));
-  EXPECT_EQ(trail.journal.all().size(), RequestSeries::kMost + 2) << "those beyond are one";
+  ASSERT_EQ(trail.journal.all().size(), RequestSeries::kMost + 2) << "those beyond are one";
+  EXPECT_NE(trail.newest().find("more within 60 s, of several)"), std::string::npos) << trail.newest();
+}
+
+TEST(RequestSeries, WhoIsAnotherClientEachTimeFillsNothing) {
+  Trail trail;
+  for (int i = 0; i < 5000; ++i) trail.send("plc " + std::to_string(i), "123", "01");
+  EXPECT_EQ(trail.journal.all().size(), 2 * RequestSeries::kMost + 1);
+  trail.send("plc 1", "123", "01", false);
+  EXPECT_EQ(trail.journal.all().size(), 2 * RequestSeries::kMost + 2) << "another end is another series";
+  trail.pass(minutes(1));
+  EXPECT_NE(trail.newest().find(", of several clients)"), std::string::npos) << trail.newest();
+}
+
+TEST(RequestSeries, AtTheEndOfTheDaemonWhatWasNotRecordedIsTold) {
+  Trail trail;
+  for (unsigned i = 0; i < 2 * AuditTrail::kRefused; ++i)
+    trail.trail.refused({"hmi", "hmi", "", i}, {"mode", -1, "", "run"}, AuditTrail::kNotKnown,
+                        {gateway_CAUSE_READ_ONLY, "set access.read_only to false"}, trail.now);
+  EXPECT_EQ(trail.journal.all().size(), AuditTrail::kRefused);
+  trail.trail.finish(trail.now);
+  EXPECT_EQ(trail.journal.all().back().field("EVENT"), "requests_not_recorded");
 }
 
 TEST(RequestSeries, EachIsRecordedOnDemandAndWhatIsNoSeriesAlways) {
