@@ -6,6 +6,7 @@
 
 #include "daemon/desk/limits_text.h"
 #include "daemon/desk/rejections.h"
+#include "text/visible.h"
 
 namespace cansyncd {
 
@@ -13,11 +14,12 @@ using gateway::dds::RequestKey;
 
 Requester who_of(std::string_view name, const RequestKey& key, const Place& place) {
   Requester who;
-  who.name = name;
+  // A program calls itself what it likes; whoever is told of it must not obey it.
+  who.name = text::visible(name);
   who.request = key.request;
   const auto& client = key.client;
   who.label =
-      fmt::format("'{}' ({:02x}{:02x}{:02x}{:02x})", name, client[0], client[1], client[2], client[3]);
+      fmt::format("'{}' ({:02x}{:02x}{:02x}{:02x})", who.name, client[0], client[1], client[2], client[3]);
   if (place != Place{}) {
     for (const unsigned byte : place) who.participant += fmt::format("{:02x}", byte);
   }

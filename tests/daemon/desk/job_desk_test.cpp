@@ -150,6 +150,17 @@ class MadeUpDesk : public ::testing::Test {
   Client client;
 };
 
+TEST(WhoOf, ANameIsTextAndNothingElse) {
+  const Requester who = who_of(
+      "hmi\n12:00 info request_done \x1b[2J S\xc3\xbc"
+      "d",
+      {}, {});
+  EXPECT_EQ(who.name,
+            "hmi\\x0a12:00 info request_done \\x1b[2J S\xc3\xbc"
+            "d");
+  EXPECT_EQ(who.label, "'" + who.name + "' (00000000)");
+}
+
 TEST_F(MadeUpDesk, ARequestIsHandedOnAndAnsweredOnce) {
   client.wish(1, 42);
   const Wish wish = next_wish();

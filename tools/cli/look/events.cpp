@@ -16,6 +16,7 @@
 #include "cli/look/verbs.h"
 #include "cli/text/column_help.h"
 #include "text/counts.h"
+#include "text/visible.h"
 
 namespace cansync::cli {
 namespace {
@@ -101,7 +102,7 @@ void EventLines::show(const client::Event& event) {
   headed_ = true;
   output_.line(
       output_.painted(table_.line({time_text(event.time, true), std::string(severity_name(event.severity)),
-                                   event.code, event.text}),
+                                   event.code, text::visible(event.text)}),
                       event_style(event.severity)));
 }
 
