@@ -73,6 +73,11 @@ class FakeDaemon {
 
   /// Modes are taken down and refused for this cause from now on.
   void refuse_modes(gateway_RefusalCause cause) { mode_refusal_ = cause; }
+  /// The next so many commands are refused for this cause.
+  void refuse_next(int commands, gateway_RefusalCause cause) {
+    next_refusal_ = cause;
+    refuse_next_ = commands;
+  }
 
   /// The state of the line that is told from now on; active operation at first.
   void set_state(cansync::State state) {
@@ -145,8 +150,9 @@ class FakeDaemon {
     values.interval[0] = interval;
     (void)actual_writer_.write(values);
   }
-  void publish_event(std::uint64_t number) {
+  void publish_event(std::uint64_t number, gateway_EventSeverity severity = gateway_SEVERITY_INFO) {
     gateway_Event event = {};
+    event.severity = severity;
     event.number = number;
     (void)event_writer_.write(event);
   }
@@ -314,6 +320,10 @@ class FakeDaemon {
       answer(command_writer_, cansync::dds::command_refused(key, *problem));
       return;
     }
+    if (refuse_next_ > 0) {
+      --refuse_next_;
+      return answer(command_writer_, cansync::dds::command_refused(key, {next_refusal_, "not now"}));
+    }
     {
       const std::lock_guard lock(mutex_);
       commands_.push_back(command);
@@ -437,5 +447,7 @@ class FakeDaemon {
   std::atomic<bool> stop_ = false;
   bool was_full_ = false;  // thread of the daemon only
   std::atomic<gateway_RefusalCause> mode_refusal_ = gateway_CAUSE_NONE;
+  std::atomic<gateway_RefusalCause> next_refusal_ = gateway_CAUSE_NONE;
+  std::atomic<int> refuse_next_ = 0;
   std::thread thread_;
 };

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cansync/function_blocks/command_slot.h>
 #include <cansync/types.h>
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -15,11 +17,17 @@ namespace cansync::client::detail {
 
 /// A setting that a function block has entered. Locked by its book.
 struct SettingState {
-  std::string block;                              ///< whose it is
-  bool entered = false;                           ///< there is one
-  std::array<std::uint8_t, 16> daemon = {};       ///< the start it was entered in
-  bool in_force = false;                          ///< there
-  std::string error;                              ///< why it is not
+  std::string block;                            ///< whose it is
+  bool entered = false;                         ///< there is one
+  std::array<std::uint8_t, 16> daemon = {};     ///< the start it was entered in
+  std::chrono::steady_clock::time_point given;  ///< when it was entered last
+  bool in_force = false;                        ///< there
+  std::string error;                            ///< why it is not
+  struct Before {
+    function_blocks::CommandSlot slot;
+    function_blocks::CommandSlot::Submit submit;
+  };
+  std::optional<Before> before;                   ///< what was entered before a wrong one was refused
   std::optional<MappingBytes> reference_mapping;  ///< what it maps
   std::uint64_t mapping_before = 1;               ///< number of the mapping known when it was entered, from 1
 };

@@ -41,6 +41,13 @@ TEST_F(CommControlMaCommands, MaximumSlaveIsSentUnlessMinusOne) {
   ASSERT_TRUE(repeat_until([&] { block.call(); }, [&] { return block.in_effect(); }));
   for (int i = 0; i < 100; ++i) block.call();
   EXPECT_EQ(daemon.commands().size(), 2u);  // what does not change is not sent again
+  block.si_MAX_SL_NR = -5;
+  block.call();
+  EXPECT_FALSE(block.in_effect());
+  block.si_MAX_SL_NR = -1;
+  block.call();
+  EXPECT_TRUE(block.in_effect()) << "what was in effect before the wrong one";
+  EXPECT_EQ(daemon.commands().size(), 2u);
 }
 
 TEST_F(CommControlMaCommands, WrongNumbersAreRefused) {
@@ -55,6 +62,14 @@ TEST_F(CommControlMaCommands, WrongNumbersAreRefused) {
   block.si_MAX_SL_NR = -5;
   block.call();
   EXPECT_EQ(daemon.commands().size(), 0u);
+  block.si_SL_NR_PAR = 1;
+  const auto names_it = [&] {
+    return SettingSlot::missing(client).find("si_MAX_SL_NR -5") != std::string::npos;
+  };
+  ASSERT_TRUE(repeat_until([&] { block.call(); }, names_it)) << SettingSlot::missing(client);
+  block.si_MAX_SL_NR = -1;
+  ASSERT_TRUE(repeat_until([&] { block.call(); }, [&] { return block.in_effect(); })) << block.error();
+  EXPECT_EQ(SettingSlot::missing(client), "");
 }
 
 class CommControlMa : public BlockTest {};

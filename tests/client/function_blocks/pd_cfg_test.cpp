@@ -34,6 +34,16 @@ TEST_F(PdCfg, TheManualsExampleOfReferenceValues) {
   EXPECT_EQ(bytes_of(command(block, 2))[3], 0x0D);
 }
 
+TEST_F(PdCfg, WhatWasRefusedForWhatPassesIsEnteredAgain) {
+  PD_CFG_MA block(client);
+  block.a_WRC1 = {0, 1, -1, -1};
+  daemon.refuse_next(2, gateway_CAUSE_CLIENT_LIMIT);
+  ASSERT_TRUE(repeat_until([&] { block.call(); }, [&] { return !block.error().empty(); }));
+  EXPECT_FALSE(block.in_effect());
+  ASSERT_TRUE(repeat_until([&] { block.call(); }, [&] { return block.in_effect(); })) << block.error();
+  EXPECT_EQ(daemon.commands().size(), 1u);
+}
+
 // The manual's example of 4.16.
 TEST_F(PdCfg, TheManualsExampleOfActualValues) {
   PD_CFG_READ_MA block(client);

@@ -21,6 +21,10 @@ void COMM_CONTROL_MA::call() {
                                                       ": out of range; allowed 0..31, -128 automatic");
     }
   }
+  if (si_MAX_SL_NR == -1 && maximum_.value_or(0) < 0) {
+    maximum_.reset();
+    maximum_slot_.withdraw();
+  }
   if (si_MAX_SL_NR != -1 && si_MAX_SL_NR != maximum_) {
     maximum_ = si_MAX_SL_NR;
     if (si_MAX_SL_NR < 0)

@@ -12,6 +12,12 @@ void CommandSlot::enter(Submit submit) {
   error_.clear();
 }
 
+// With an error and this code it waits for the reply.
+void CommandSlot::repeat(Submit submit) {
+  waiting_ = std::move(submit);
+  code_ = ReplyCode::done;
+}
+
 bool CommandSlot::passes() const noexcept {
   const Retry again = retry(code_, cause_);
   return refused() && again != Retry::never && again != Retry::after_change;
@@ -33,7 +39,7 @@ void CommandSlot::poll() {
     if (!reply) {
       if (!newest_at_once_ || !waiting_ || older_) return;
       older_ = job_;
-    } else if (!waiting_ && error_.empty()) {
+    } else if (!waiting_ && (error_.empty() || code_ == ReplyCode::done)) {
       // What was entered meanwhile counts, not what it has replaced.
       sent_ = reply->ok();
       code_ = reply->code;

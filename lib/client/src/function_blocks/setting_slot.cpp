@@ -1,6 +1,7 @@
 #include <cansync/function_blocks/setting_slot.h>
 
 #include <algorithm>
+#include <chrono>
 #include <iterator>
 #include <utility>
 
@@ -17,11 +18,13 @@ SettingSlot::SettingSlot(Client& client, std::string block)
 
 void SettingSlot::enter(Submit submit, std::optional<MappingBytes> reference_mapping) {
   entered_ = std::move(submit);
+  state_->before.reset();
   slot_.enter(entered_);
   const Validity now = client_->validity();
   client_->link_->settings().change(*state_, [&](detail::SettingState& state) {
     state.entered = true;
     state.daemon = now.daemon;
+    state.given = std::chrono::steady_clock::now();
     state.reference_mapping = reference_mapping;
     state.mapping_before = std::max<std::uint64_t>(now.mapping_number, 1);
   });
@@ -29,19 +32,37 @@ void SettingSlot::enter(Submit submit, std::optional<MappingBytes> reference_map
 }
 
 void SettingSlot::refuse(RefusalCause cause, std::string reason) {
+  if (entered_) state_->before = detail::SettingState::Before{slot_, entered_};
   entered_ = nullptr;
   slot_.refuse(cause, std::move(reason));
   client_->link_->settings().change(*state_, [](detail::SettingState& state) { state.entered = true; });
   note();
 }
 
+void SettingSlot::withdraw() {
+  const auto before = std::exchange(state_->before, std::nullopt);
+  entered_ = before ? before->submit : Submit();
+  slot_ = before ? before->slot : CommandSlot(*client_);
+  client_->link_->settings().change(*state_,
+                                    [&](detail::SettingState& state) { state.entered = before.has_value(); });
+  note();
+}
+
 void SettingSlot::poll() {
+  constexpr std::chrono::milliseconds kAgain{500};
   const Validity now = client_->validity();
-  if (entered_ && now.daemon != state_->daemon && client_->link_->asks(now.daemon)) {
-    client_->link_->program_told_of(now.daemon);
-    slot_.enter(entered_);
+  const auto time = std::chrono::steady_clock::now();
+  const bool anew = now.daemon != state_->daemon;
+  const bool again = slot_.passes() && !slot_.open() && time - state_->given >= kAgain;
+  if (entered_ && (anew || again) && client_->link_->asks(now.daemon)) {
+    if (anew) client_->link_->program_told_of(now.daemon);
+    if (anew)
+      slot_.enter(entered_);
+    else
+      slot_.repeat(entered_);
     client_->link_->settings().change(*state_, [&](detail::SettingState& state) {
       state.daemon = now.daemon;
+      state.given = time;
       state.mapping_before = std::max<std::uint64_t>(now.mapping_number, 1);
     });
   }

@@ -23,6 +23,8 @@ class CANSYNC_PUBLIC CommandSlot {
 
   /// Enters a command; it leaves with this or a later `poll`.
   void enter(Submit submit);
+  /// Enters a command that was refused once more; `error` stays until its reply is there.
+  void repeat(Submit submit);
   /// Takes the reply when it is there, and hands on what was entered. Never waits for an answer.
   void poll();
   /// What was not even entered, because an input is wrong.

@@ -13,7 +13,7 @@ struct SettingState;
 namespace cansync::client::function_blocks {
 
 /// A setting of the line: entered once, and again by itself when the daemon was started anew, which has lost
-/// it.
+/// it, and every 500 ms while it is refused for what passes.
 class CANSYNC_PUBLIC SettingSlot {
  public:
   using Submit = CommandSlot::Submit;
@@ -25,6 +25,8 @@ class CANSYNC_PUBLIC SettingSlot {
   void enter(Submit submit, std::optional<MappingBytes> reference_mapping = std::nullopt);
   /// What was not even entered, because an input is wrong.
   void refuse(RefusalCause cause, std::string reason);
+  /// What was refused because an input was wrong does not count any more; what was entered before it does.
+  void withdraw();
   /// Takes the reply when it is there, and hands on what was entered. Never waits for an answer.
   void poll();
 
