@@ -11,6 +11,12 @@
 /// Raw values and values in engineering units. Pure functions; any thread; they allocate.
 namespace profile {
 
+/// Has a value of this width, as the slave has it, the format of the profile? What the profile says of a parameter holds for
+/// no other: after an update of the drive's firmware it may have another width.
+constexpr bool fits_format(const Parameter& parameter, bool doubleword) noexcept {
+  return doubleword == (parameter.format == Format::doubleword);
+}
+
 /// The raw number a value on the bus stands for: two's complement when the parameter is signed.
 std::int64_t raw_number(const Parameter& parameter, std::uint32_t raw) noexcept;
 

@@ -1,6 +1,9 @@
 """The Python package on a line of simulated drives."""
 
 import dataclasses
+import os
+import pathlib
+import signal
 import sys
 import threading
 import unittest
@@ -294,6 +297,28 @@ class Commands(OnALine):
         self.error(cansync.Invalid, cansync.Code.INVALID, "allowed 8", self.line.map_references, [1])
         self.error(cansync.Refused, cansync.Code.REFUSED, "", self.line.release, 1,
                    cause=cansync.Cause.NOT_HELD)
+
+
+class Reload(OnALine):
+    def test_a_name_is_that_of_the_slave_that_has_it_now(self):
+        self.assertEqual(self.line.slave("winder"), 1)
+        path = pathlib.Path(self.gateway.config)
+        text = path.read_text(encoding="utf-8")
+        third = "[[slave]]\nnumber = 3\n"
+        self.assertIn(third, text)
+        path.write_text(text.replace('"winder"', '"unwinder"').replace(third, third + 'name = "winder"\n'), encoding="utf-8")
+        os.kill(self.gateway.process.pid, signal.SIGHUP)
+        for status in self.line.follow(cansync.SlaveStatus, timeout=LONG):
+            if (status.slave, status.name) == (1, "unwinder"):
+                break
+        for status in self.line.follow(cansync.SlaveStatus, timeout=LONG):
+            if (status.slave, status.name) == (3, "winder"):
+                break
+        self.assertEqual((self.line.slave("winder"), self.line.slave("unwinder")), (3, 1))
+        come, found = threading.Event(), []
+        with self.line.subscribe(cansync.MasterStatus, lambda status: (found.append(self.line.slave("winder")), come.set())):
+            self.assertTrue(come.wait(LONG))
+        self.assertEqual(found[0], 3)
 
 
 class Restart(OnALine):

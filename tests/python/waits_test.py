@@ -73,6 +73,9 @@ class Waits(unittest.TestCase):
     def test_connecting(self):
         self.check("call", lambda: cansync.connect("nobody", domain=self.gateway.domain, timeout=LONG))
 
+    def test_connecting_to_a_slave(self):
+        self.check("_call", lambda: cansync.connect_slave("nobody", domain=self.gateway.domain, timeout=LONG))
+
     def test_a_transfer_which_is_cancelled(self):
         self.check("result", lambda: self.line.upload(3, 0x1000, 1 << 20))
         for status in self.line.follow(cansync.MasterStatus, timeout=LONG):

@@ -21,7 +21,8 @@ inline gateway::dds::ClientOptions client_options(const Options& options) {
           .xml = options.xml,
           .security = options.security,
           .final_types = options.final_types,
-          .wait = options.wait};
+          .wait = options.wait,
+          .go_on = options.go_on};
 }
 
 /// How long the first status is waited for: it is kept for whoever comes.
@@ -34,7 +35,7 @@ inline std::chrono::milliseconds first_status_wait(const Options& options) {
 inline Options with_bus(Options options) {
   if (!options.bus.empty()) return options;
   try {
-    options.bus = set_up([&] { return gateway::dds::only_bus(client_options(options), options.go_on); });
+    options.bus = set_up([&] { return gateway::dds::only_bus(client_options(options)); });
   } catch (const gateway::dds::NoDaemon& error) {
     throw NoDaemon(error.what());
   }

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -68,9 +69,11 @@ struct ClientOptions {
   std::chrono::milliseconds wait{3000};  ///< how long to look for the daemon
   const std::atomic<bool>* stop =
       nullptr;  ///< set by another thread or a signal handler: ends waiting; null: none
+  std::function<bool()> go_on =
+      {};  ///< asked while something is waited for: false ends it; empty: nobody is asked
 
-  /// `stop` was set.
-  bool stopped() const noexcept { return stop != nullptr && stop->load(); }
+  /// `stop` was set, or `go_on` says no.
+  bool stopped() const { return (stop != nullptr && stop->load()) || (go_on && !go_on()); }
   /// A program's participant on that bus.
   ParticipantOptions participant() const;
 };

@@ -159,8 +159,8 @@ class RequestClient {
     }
   }
 
-  /// `stop` of the options was set.
-  bool stopped() const noexcept { return options_.stopped(); }
+  /// The options end what is waited for.
+  bool stopped() const { return options_.stopped(); }
   DataSignal& signal() noexcept { return signal_; }
   DaemonSight& sight() noexcept { return sight_; }
   const DaemonSight& sight() const noexcept { return sight_; }

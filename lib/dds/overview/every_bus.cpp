@@ -97,12 +97,12 @@ std::vector<gateway_GatewayStatus> daemons_of_every_bus(const ClientOptions& opt
   return every.found();
 }
 
-std::string only_bus(const ClientOptions& options, const std::function<bool()>& go_on) {
+std::string only_bus(const ClientOptions& options) {
   constexpr std::chrono::milliseconds kSettle{500};
   EveryBus every(options);
   auto end = Clock::now() + options.wait;
   std::set<std::string> buses;
-  while (Clock::now() < end && !options.stopped() && (!go_on || go_on())) {
+  while (Clock::now() < end && !options.stopped()) {
     every.look();
     if (auto now = every.buses(); now != buses) {
       buses = std::move(now);

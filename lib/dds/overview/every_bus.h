@@ -22,8 +22,7 @@ class SeveralBuses : public NoDaemon {
 
 /// The only bus that is served in the domain and on the interface of `options`; its `bus` does not matter. Waits at most
 /// `options.wait` for the first daemon, then until no other bus has been found for 500 ms: discovery takes some 100 ms.
-/// `go_on`: false ends the search; empty: it is not asked. Throws NoDaemon when no bus is found or the search was ended,
-/// SeveralBuses, SetupError.
-std::string only_bus(const ClientOptions& options, const std::function<bool()>& go_on = {});
+/// Throws NoDaemon when no bus is found or the options ended the search, SeveralBuses, SetupError.
+std::string only_bus(const ClientOptions& options);
 
 }  // namespace gateway::dds

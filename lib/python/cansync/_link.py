@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 import time
 import typing
@@ -38,8 +39,8 @@ def _keep_interrupt(kind: object, value: BaseException, trace: object) -> None:
 
 @ffi.def_extern(error=0, onerror=_keep_interrupt)  # type: ignore[misc]
 def python_go_on(user: typing.Any) -> int:
-    """Asked by the library while it waits; Ctrl-C comes here."""
-    return 1
+    """Asked by the library while it waits; Ctrl-C comes here, and nothing is waited for from then on."""
+    return 0 if getattr(_thread, "interrupt", None) is not None else 1
 
 
 @ffi.def_extern()  # type: ignore[misc]
@@ -53,6 +54,15 @@ def python_on_sample(user: typing.Any, sample: typing.Any) -> None:
         threading.excepthook(threading.ExceptHookArgs((type(error), error, error.__traceback__, threading.current_thread())))
     finally:
         _thread.callback = False
+
+
+@contextlib.contextmanager
+def interruptible() -> typing.Iterator[None]:
+    """Raises what ended a wait of the library in it: Ctrl-C, or what another handler of a signal has raised."""
+    _thread.interrupt = None
+    yield
+    if _thread.interrupt is not None:
+        raise _thread.interrupt
 
 
 class Link:
@@ -75,10 +85,8 @@ class Link:
     def call(self, function: typing.Callable[..., int], *arguments: typing.Any, missing: bool = False) -> bool:
         """Calls and raises what its result stands for; with `missing`, CANSYNC_NO_DATA gives False."""
         with self._lock:
-            _thread.interrupt = None
-            result = function(self._open(), *arguments)
-            if _thread.interrupt is not None:
-                raise _thread.interrupt
+            with interruptible():
+                result = function(self._open(), *arguments)
             if result == Code.DONE:
                 return True
             if result == Code.NO_DATA and missing:

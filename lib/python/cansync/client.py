@@ -5,7 +5,7 @@ from __future__ import annotations
 import typing
 import weakref
 
-from ._link import Link, must_not_wait
+from ._link import Link, in_callback, must_not_wait
 from ._native import ffi, lib
 from .codes import Code, Mode
 from .errors import error_of
@@ -22,6 +22,7 @@ AUTOMATIC = -128
 NOBODY = -1
 UNCHANGED = -2
 
+_FIRST = 2.0  # seconds; how long what the daemon has kept is waited for
 _VALUE = 7  # element of a parameter
 _AS_SLAVE_SAYS = 2  # format of a parameter
 
@@ -59,8 +60,6 @@ class Client:
 
     def __init__(self, link: Link) -> None:
         self._link = link
-        self._slaves: dict[str, int] = {}
-        self._heard = False  # of every slave
         # Also when the interpreter ends: before that nothing of the library may run any more.
         self._end = weakref.finalize(self, link.close)
 
@@ -86,9 +85,9 @@ class Client:
         """What the daemon told last, at most about a second old.
 
         topic: MasterStatus, the line; GatewayStatus, which daemon serves it; BusStatus, the CAN interface; RealtimeStatus.
-        For the first sample of the last two it waits at most 2 s; NotConnected when none comes.
+        For the first sample of the last two it waits at most 2 s, but not in a callback; NotConnected when none comes.
         """
-        return self._sample(topic, 0, 0.0)
+        return self._sample(topic, 0, _FIRST)
 
     def slave_status(self, slave: Slave, timeout: float = 2.0) -> SlaveStatus:
         """The newest status of a configured slave. Timeout when none comes within `timeout`."""
@@ -115,19 +114,33 @@ class Client:
                 return False
 
         if not self._link.poll(timeout, active):
-            raise reason[0]
+            raise error_of(Code.TIMEOUT, f"client: not within {timeout} s: {str(reason[0]).removeprefix('client: ')}")
 
     def slave(self, number_or_name: Slave) -> int:
         """The number of a slave. Invalid, with the names there are, when there is none of this name."""
         if isinstance(number_or_name, int):
             return number_or_name
-        if number_or_name not in self._slaves:
-            must_not_wait()
-            self._hear_slaves()
+        if number_or_name[:1].isdigit():
             found = ffi.new("uint32_t *")
-            self._link.call(lib.cansync_find_slave, number_or_name.encode(), found)
-            self._slaves[number_or_name] = found[0]
-        return self._slaves[number_or_name]
+            self._link.call(lib.cansync_find_slave, number_or_name.encode(), found)  # waits for nothing
+            return int(found[0])
+        # Each time anew: a reload of the daemon may give the name to another slave.
+        known: dict[str, int] = {}
+
+        def look() -> bool:
+            statuses = self._known_slaves()
+            known.clear()
+            known.update((status.name, status.slave) for status in statuses if status.name)
+            return number_or_name in known or len(statuses) == self.status().slaves_configured.bit_count()
+
+        if not in_callback():
+            self._link.poll(_FIRST, look)
+        elif not look():
+            must_not_wait()
+        if number_or_name not in known:
+            names = ", ".join(known) or "a name, but no slave has one"
+            raise error_of(Code.INVALID, f"client: slave '{number_or_name}': no slave has this name; allowed 0..31 or {names}")
+        return known[number_or_name]
 
     def follow(self, topic: type[T], *, depth: int = 10000, timeout: float | None = None) -> Stream[T]:
         """An iterator over a topic: one of the classes of :mod:`cansync.topics`. What is known comes first.
@@ -163,12 +176,16 @@ class Client:
         """Like `read`, without waiting. sub_slave: participant below the slave; element: 0..7; format: 0 word, 1 doubleword."""
         number = self.slave(slave)
         info = self._find(number, parameter) if isinstance(parameter, str) else None
+        if info is not None:
+            format = self._format(info, element, format)
         request = {"slave": number, "number": parameter if info is None else info.number, "sub_slave": sub_slave,
                    "element": element, "format": format, "timeout_ms": _milliseconds(timeout)}
 
         def value_of(reply: typing.Any) -> Value:
-            value = reply.value if info is None else lib.cansync_to_unit(info, reply.value)
-            known = Parameter._of(info) if info is not None else None
+            # What the profile says holds for values of its own format.
+            fits = info is not None and bool(reply.doubleword) == bool(info.doubleword)
+            value = lib.cansync_to_unit(info, reply.value) if fits else reply.value
+            known = Parameter._of(info) if fits else None
             return Value(request["number"], value, reply.value, bool(reply.doubleword), known.name if known else "",
                          known.unit if known else "", reply.intervals)
 
@@ -181,7 +198,7 @@ class Client:
         if isinstance(parameter, str):
             info, raw = self._find(number, parameter), ffi.new("uint32_t *")
             self._link.call(lib.cansync_from_unit, info, value, raw)
-            parameter, value = info.number, raw[0]
+            parameter, value, format = info.number, raw[0], self._format(info, element, format)
         elif value != int(value):
             raise error_of(Code.INVALID, f"client: value {value}: a raw value is a whole number")
         return self._submit_parameter({"write": 1, "slave": number, "number": parameter, "value": int(value),
@@ -196,7 +213,7 @@ class Client:
         """Every parameter of the slave's profile, by number."""
         number = self.slave(slave)
         found: list[Parameter] = []
-        self._hear_slaves()
+        self._hear(number)
         info = ffi.new("cansync_parameter_info *")
         while self._link.call(lib.cansync_list_parameter, number, len(found), info, missing=True):
             found.append(Parameter._of(info))
@@ -296,21 +313,37 @@ class Client:
             return self._link.call(lib.cansync_get_sample, NUMBERS[topic], slave, 0, out, size, missing=True)
 
         if not self._link.poll(timeout, look):
+            if topic not in (SlaveStatus, ActualValues):
+                raise error_of(Code.NO_DAEMON, f"client: the daemon has told no {topic.__name__} within {timeout} s")
             raise error_of(Code.TIMEOUT, f"client: no {topic.__name__} of slave {slave} within {timeout} s; is it "
                                          "configured, and the line in run?")
         return topic._of(out)
 
-    def _hear_slaves(self) -> None:
-        """Waits here for what the library would wait for: Ctrl-C ends it here alone."""
-        if not self._heard:
-            self.slaves()
-            self._heard = True
+    def _known_slaves(self) -> list[SlaveStatus]:
+        """Of those that are known; waits for nothing."""
+        configured, known = self.status().slaves_configured, []
+        for slave in range(32):
+            out = ffi.new(f"{SlaveStatus._struct} *")
+            if configured >> slave & 1 and self._link.call(lib.cansync_get_sample, NUMBERS[SlaveStatus], slave, 0, out,
+                                                           ffi.sizeof(SlaveStatus._struct), missing=True):
+                known.append(SlaveStatus._of(out))
+        return known
+
+    def _hear(self, slave: int) -> None:
+        """Waits for the first status of a slave here, where Ctrl-C ends it and callbacks go on, not in the library."""
+        if 0 <= slave < 32 and self.status().slaves_configured >> slave & 1:
+            self.slave_status(slave)
 
     def _find(self, slave: int, parameter: str) -> typing.Any:
-        self._hear_slaves()
+        self._hear(slave)
         info = ffi.new("cansync_parameter_info *")
         self._link.call(lib.cansync_find_parameter, slave, parameter.encode(), info)
         return info
+
+    @staticmethod
+    def _format(info: typing.Any, element: int, format: int) -> int:
+        """Of a value by name that of the profile: a drive that has another one says so, and nothing is written."""
+        return int(info.doubleword) if format == _AS_SLAVE_SAYS and element == _VALUE else format
 
     def _submit_parameter(self, request: dict[str, typing.Any], convert: typing.Callable[[typing.Any], T]) -> Job[T]:
         return self._submit(lib.cansync_submit_parameter, "cansync_parameter_request *", request, convert)

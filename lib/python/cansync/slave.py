@@ -8,7 +8,7 @@ import time
 import typing
 import weakref
 
-from ._link import JOB_SLICE_MS, text
+from ._link import JOB_SLICE_MS, interruptible, text
 from ._native import ffi, lib
 from .codes import Code, Mode, SlaveEventKind, SlaveFault
 from .errors import error_of
@@ -133,7 +133,7 @@ class Application:
         self._end = weakref.finalize(self, Application._free, handle, self._open)
         keep = {key: ffi.new("char[]", value.encode()) if isinstance(value, str) else value for key, value in options.items()}
         try:
-            self._call(lib.cansync_application_connect, ffi.new("cansync_options *", keep))
+            self._call(lib.cansync_application_connect, ffi.new("cansync_options *", dict(keep, go_on=lib.python_go_on)))
         except BaseException:
             self.close()
             raise
@@ -148,7 +148,8 @@ class Application:
         with self._lock:
             if not self._open[0]:
                 raise error_of(Code.INVALID, "client: it is closed")
-            result = function(self._handle, *arguments)
+            with interruptible():
+                result = function(self._handle, *arguments)
             if result in (Code.DONE, Code.NO_DATA):
                 return result
             raise error_of(result, text(lib.cansync_application_last_error(self._handle)),

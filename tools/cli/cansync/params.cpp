@@ -7,6 +7,7 @@
 #include "cli/cansync/profiles.h"
 #include "cli/cansync/verbs.h"
 #include "cli/text/column_help.h"
+#include "cli/text/values.h"
 #include "profile/meaning.h"
 #include "profile/scaling.h"
 
@@ -100,11 +101,17 @@ class Listing {
     JsonObject object;
     object.add("slave", slave_).add("number", parameter.number).add("name", parameter.name);
     if (reply != nullptr && reply->ok()) {
-      const std::int64_t number = profile::raw_number(parameter, reply->value);
+      const bool fits = profile::fits_format(parameter, reply->doubleword);
+      const std::int64_t number =
+          fits ? profile::raw_number(parameter, reply->value)
+               : as_signed(reply->value, reply->doubleword ? Width::doubleword : Width::word);
       object.add("value", reply->value)
           .add("signed", number)
-          .add("format", reply->doubleword ? "doubleword" : "word")
-          .add("scaled", profile::scaled(parameter, number));
+          .add("format", reply->doubleword ? "doubleword" : "word");
+      if (fits)
+        object.add("scaled", profile::scaled(parameter, number));
+      else
+        object.add_null("scaled");
     } else {
       object.add_null("value").add_null("signed").add_null("format").add_null("scaled");
     }
@@ -121,10 +128,15 @@ class Listing {
   void row(const profile::Parameter& parameter, const client::ParameterReply* reply) {
     std::string value = "-";
     std::string meaning;
-    if (reply != nullptr && reply->ok()) {
+    const bool fits = reply != nullptr && profile::fits_format(parameter, reply->doubleword);
+    if (reply != nullptr && reply->ok() && fits) {
       const std::int64_t number = profile::raw_number(parameter, reply->value);
       value = raw_ ? std::to_string(reply->value) : profile::scaled_text(parameter, number);
       meaning = profile::words(parameter, reply->value);
+    } else if (reply != nullptr && reply->ok()) {
+      value = std::to_string(reply->value);
+      meaning = fmt::format("raw, for the slave has it as {}, the profile as {}",
+                            reply->doubleword ? "doubleword" : "word", profile::name(parameter.format));
     } else if (reply != nullptr) {
       value = reply->error_code != 0 ? fmt::format("error 0x{:04X}", reply->error_code)
                                      : std::string(client::name(reply->code));

@@ -11,13 +11,6 @@
 #include "profile/scaling.h"
 
 namespace cansync::cli {
-namespace {
-
-bool has_format(const profile::Parameter& parameter, const client::ParameterReply& reply) {
-  return reply.doubleword == (parameter.format == profile::Format::doubleword);
-}
-
-}  // namespace
 
 TakenPassport take_passport(Session& session, unsigned slave, const profile::Profile& profile,
                             bool with_volatile) {
@@ -35,7 +28,7 @@ TakenPassport take_passport(Session& session, unsigned slave, const profile::Pro
   std::vector<std::optional<std::uint32_t>> values;
   taken.ended = read_parameters(
       session, slave, wanted, [&](const profile::Parameter& parameter, const client::ParameterReply& reply) {
-        const bool good = reply.ok() && has_format(parameter, reply);
+        const bool good = reply.ok() && profile::fits_format(parameter, reply.doubleword);
         values.push_back(good ? std::optional(reply.value) : std::nullopt);
         if (good) return;
         taken.unread.push_back(fmt::format(

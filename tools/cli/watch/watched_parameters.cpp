@@ -54,7 +54,7 @@ WatchedParameter find_one(const std::string& typed, const SlaveProfile& profile)
 /// Does the profile's scaling hold for the value?
 bool scales(const WatchedParameter& parameter) {
   return parameter.value && parameter.known != nullptr &&
-         parameter.value->doubleword == (parameter.known->format == profile::Format::doubleword);
+         profile::fits_format(*parameter.known, parameter.value->doubleword);
 }
 
 }  // namespace

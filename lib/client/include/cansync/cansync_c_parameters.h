@@ -40,7 +40,9 @@ CANSYNC_C_API int cansync_find_parameter(cansync_client* client, uint32_t slave,
 CANSYNC_C_API int cansync_list_parameter(cansync_client* client, uint32_t slave, uint32_t index,
                                          cansync_parameter_info* out) CANSYNC_C_NOEXCEPT;
 
-/* The value in its unit that a raw value stands for. `parameter` is not NULL. Any thread. */
+/* The value in its unit that a raw value stands for, of the format that `parameter` says: ask for it with that format
+ * (`doubleword` of cansync_parameter_info), then a drive that has another one answers CANSYNC_WORD_EXPECTED or
+ * CANSYNC_DOUBLEWORD_EXPECTED. Not a number: a word cannot have this raw value. `parameter` is not NULL. Any thread. */
 CANSYNC_C_API double cansync_to_unit(const cansync_parameter_info* parameter,
                                      uint32_t raw) CANSYNC_C_NOEXCEPT;
 

@@ -105,7 +105,7 @@ CANSYNC_C_API const char* cansync_application_last_error(const cansync_applicati
 CANSYNC_C_API int cansync_application_last_cause(const cansync_application* application) CANSYNC_C_NOEXCEPT;
 
 /* Waits until a daemon serves the bus as a slave; once a handle. `options` NULL: the defaults. Of them
- * `go_on` and `profiles` mean nothing here. */
+ * `profiles` means nothing here; `go_on` ends every wait of this handle. */
 CANSYNC_C_API int cansync_application_connect(cansync_application* application,
                                               const cansync_options* options) CANSYNC_C_NOEXCEPT;
 

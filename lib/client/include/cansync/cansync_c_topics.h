@@ -28,9 +28,8 @@ enum cansync_topic {
 };
 
 /* Copies the newest sample that is known into `out`; `size` is that of the struct. Of the status of master
- * and gateway, which is there since the connecting, of bus and realtime, for whose first sample it waits at
- * most 2 s, and of a slave's status and actual values, for whose first sample it waits at most `timeout_ms`;
- * `slave` is looked at for these. CANSYNC_NO_DATA; CANSYNC_INVALID: another topic, slave or size. */
+ * and gateway, which is there since the connecting, of bus and realtime, and of a slave's status and actual
+ * values, for which `slave` is looked at: it waits at most `timeout_ms` for the first. CANSYNC_NO_DATA: none came; CANSYNC_INVALID: another topic, slave or size. */
 CANSYNC_C_API int cansync_get_sample(cansync_client* client, int topic, uint32_t slave, uint32_t timeout_ms,
                                      void* out, size_t size) CANSYNC_C_NOEXCEPT;
 

@@ -15,7 +15,7 @@ class MessageSide;
 /// waits.
 class CANSYNC_PUBLIC MessageConnection {
  public:
-  /// Waits until a daemon serves the bus. Of `options`, `grace`, `go_on` and `requests` mean nothing here.
+  /// Waits until a daemon serves the bus. Of `options`, `grace` and `requests` mean nothing here.
   /// Throws NoDaemon when `options.wait` is over or several daemons serve the bus, SetupError when DDS cannot
   /// be set up.
   static MessageConnection connect(const Options& options);

@@ -15,7 +15,7 @@ class SlaveSide;
 /// blocks of a slave. It and its blocks belong to one thread; each call of a block takes what has come.
 class CANSYNC_PUBLIC SlaveConnection {
  public:
-  /// Waits until a daemon serves the bus. Of `options`, `grace`, `go_on` and `requests` mean nothing here.
+  /// Waits until a daemon serves the bus. Of `options`, `grace` and `requests` mean nothing here.
   /// Throws NoDaemon when `options.wait` is over or several daemons serve the bus, SetupError when DDS cannot
   /// be set up.
   static SlaveConnection connect(const Options& options);

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <cstddef>
+#include <limits>
 
 #include "client/src/c_face/handle.h"
 #include "profile/named.h"
@@ -74,9 +76,13 @@ profile::Parameter of_c(const cansync_parameter_info& from) {
 
 /// The profile of a slave as the daemon names it now; each file is read once.
 profile::NamedProfile profile_of(cansync_client& open, const Client& client, std::uint32_t number) {
-  const std::vector<SlaveStatus> slaves = client.slaves();
-  const auto slave = std::find_if(slaves.begin(), slaves.end(),
-                                  [&](const SlaveStatus& status) { return status.slave == number; });
+  const auto is_it = [&](const SlaveStatus& status) { return status.slave == number; };
+  std::vector<SlaveStatus> slaves = client.slaves(std::chrono::milliseconds(0));
+  auto slave = std::find_if(slaves.begin(), slaves.end(), is_it);
+  if (slave == slaves.end()) {
+    slaves = client.slaves();
+    slave = std::find_if(slaves.begin(), slaves.end(), is_it);
+  }
   if (slave == slaves.end()) return {nullptr, fmt::format("slave {} is not configured", number)};
   const std::string_view name = cansync::client::text(slave->profile);
   if (name.empty()) {
@@ -155,6 +161,8 @@ int cansync_list_parameter(cansync_client* handle, uint32_t slave, uint32_t inde
 }
 
 double cansync_to_unit(const cansync_parameter_info* parameter, uint32_t raw) noexcept {
+  constexpr std::uint32_t kGreatestWord = 0xFFFF;
+  if (parameter->doubleword == 0 && raw > kGreatestWord) return std::numeric_limits<double>::quiet_NaN();
   profile::Parameter plain;
   plain.format = parameter->doubleword != 0 ? profile::Format::doubleword : profile::Format::word;
   plain.is_signed = parameter->is_signed != 0;

@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <deque>
+#include <functional>
 #include <iterator>
 #include <memory>
 #include <new>
@@ -37,19 +38,34 @@ constexpr milliseconds kReplyTime{3000};
 /// A quarter of the silence after which the daemon takes an application for none.
 constexpr milliseconds kPresence{500};
 
+/// A job as the program knows it: each start of the daemon numbers its own from 1, but an answer to one of the start before
+/// must not be given to another one.
+template <class Job>
+struct Asked {
+  Job job = {};
+  std::uint64_t number = 0;  ///< 0: none was asked
+
+  bool is(const Job& other) const {
+    return number != 0 && job.job == other.job &&
+           gateway::dds::daemon_of(job) == gateway::dds::daemon_of(other);
+  }
+};
+
 }  // namespace
 
 /// What stands behind the handle of a slave's application.
 struct cansync_application {
   std::unique_ptr<SlaveClient> slave;                       ///< null: not connected
+  std::function<bool()> go_on;                              ///< empty: nobody is asked
   std::string error;                                        ///< of the last call
   client::RefusalCause cause = client::RefusalCause::none;  ///< likewise
   std::deque<cansync_slave_event> events;                   ///< that nobody has taken yet
   SlaveClient::Listener listener;
   std::optional<cansync_slave_SlaveCommandReply> reply;  ///< to the command that is waited for
   // The newest that wait for an answer; their sequences are not looked at.
-  cansync_slave_ParameterJob parameter = {};
-  cansync_slave_BlockJob block = {};
+  Asked<cansync_slave_ParameterJob> parameter;
+  Asked<cansync_slave_BlockJob> block;
+  std::uint64_t jobs = 0;  ///< of both kinds, so far
   // After the client: they end before it.
   std::optional<::cansync_slave::client::Application> duties;
   std::optional<::cansync_slave::client::ReleaseWriter> releases;
@@ -60,6 +76,20 @@ namespace {
 void keep(cansync_application& open, const cansync_slave_event& event) {
   if (open.events.size() == kMostEvents) open.events.pop_front();
   open.events.push_back(event);
+}
+
+/// A step of a job: with the number that the program knows it by. One whose beginning was not seen is not the program's.
+template <class Job>
+void keep_step(cansync_application& open, Asked<Job>& newest, const Job& sample, bool asks) {
+  if (asks) {
+    const std::uint64_t number = newest.is(sample) ? newest.number : ++open.jobs;
+    newest = {sample, number};
+  } else if (!newest.is(sample)) {
+    return;
+  }
+  cansync_slave_event event = event_of(sample);
+  event.job = newest.number;
+  keep(open, event);
 }
 
 void listen_to_daemon(cansync_application& open) {
@@ -73,17 +103,12 @@ void listen_to_daemon(cansync_application& open) {
     keep(open, event_of(sample));
   };
   open.listener.parameter_job = [&open](const cansync_slave_ParameterJob& sample) {
-    if (!open.duties) return;
-    if (sample.step == cansync_slave_JOB_ASKED) open.parameter = sample;
-    keep(open, event_of(sample));
+    if (open.duties) keep_step(open, open.parameter, sample, sample.step == cansync_slave_JOB_ASKED);
   };
   open.listener.block_job = [&open](const cansync_slave_BlockJob& sample) {
     if (!open.duties) return;
-    if (sample.step != cansync_slave_BLOCK_ENDED) {
-      open.block = sample;
-      open.block.data = {};
-    }
-    keep(open, event_of(sample));
+    keep_step(open, open.block, sample, sample.step != cansync_slave_BLOCK_ENDED);
+    open.block.job.data = {};
   };
   open.listener.command_reply = [&open](const cansync_slave_SlaveCommandReply& reply) { open.reply = reply; };
 }
@@ -103,32 +128,37 @@ int done_or(cansync_application& open, int result, const std::string& problem) {
   return problem.empty() ? static_cast<int>(CANSYNC_DONE) : fail(open, result, "client: " + problem);
 }
 
-/// Takes what comes for at most `time`, and says that the program is there. False: the daemon has gone.
-bool look(cansync_application& open, milliseconds time) {
+bool goes_on(const cansync_application& open) {
+  return !open.go_on || open.go_on();
+}
+
+/// Takes what comes until `done()`, for at most `time`, and says that the program is there. False: the daemon has gone.
+template <class Done>
+bool look(cansync_application& open, milliseconds time, Done&& done) {
   const auto end = std::chrono::steady_clock::now() + time;
   while (true) {
     if (open.duties) (void)open.duties->keep();
     const auto left = std::chrono::ceil<milliseconds>(end - std::chrono::steady_clock::now());
     if (!open.slave->receive(std::clamp(left, milliseconds{0}, kPresence), open.listener)) return false;
-    if (!open.events.empty() || open.reply || left <= milliseconds{0}) return true;
+    if (done() || left <= milliseconds{0} || !goes_on(open)) return true;
   }
 }
 
 /// `call(application, job)` for the newest job of its kind.
 template <class Job, class Call>
-int answer(cansync_application* handle, std::uint64_t job, Job cansync_application::*newest,
+int answer(cansync_application* handle, std::uint64_t job, Asked<Job> cansync_application::*newest,
            Call&& call) noexcept {
   return connected_slave(handle, [&](cansync_application& open, SlaveClient& /*slave*/) {
     if (!open.duties)
       return fail(open, CANSYNC_INVALID,
                   "client: nothing is taken over; call cansync_application_take_over() first");
     // The master does not want it any more, and the daemon would drop the answer.
-    if (job != 0 && job < (open.*newest).job) return static_cast<int>(CANSYNC_DONE);
-    if ((open.*newest).job != job)
+    if (job != 0 && job < (open.*newest).number) return static_cast<int>(CANSYNC_DONE);
+    if (job == 0 || (open.*newest).number != job)
       return fail(open, CANSYNC_INVALID,
                   "client: job " + std::to_string(job) + ": is not the newest; allowed " +
-                      std::to_string((open.*newest).job));
-    return done_or(open, CANSYNC_FAILED, call(*open.duties, open.*newest));
+                      std::to_string((open.*newest).number));
+    return done_or(open, CANSYNC_FAILED, call(*open.duties, (open.*newest).job));
   });
 }
 
@@ -141,7 +171,7 @@ int command(cansync_application* handle, const cansync_slave_SlaveCommand& wante
     while (begun.not_begun &&
            client::detail::cause_of(*begun.not_begun) == client::RefusalCause::other_daemon &&
            std::chrono::steady_clock::now() < end) {
-      if (!look(open, milliseconds(20))) break;
+      if (!look(open, milliseconds(20), [] { return false; }) || !goes_on(open)) break;
       begun = slave.command(wanted);
     }
     if (begun.not_begun) {
@@ -149,10 +179,7 @@ int command(cansync_application* handle, const cansync_slave_SlaveCommand& wante
       return fail(open, CANSYNC_REFUSED, "client: " + begun.not_begun->reason);
     }
     while (std::chrono::steady_clock::now() < end) {
-      std::deque<cansync_slave_event> before = std::exchange(open.events, {});
-      const bool there = look(open, milliseconds(100));
-      before.insert(before.end(), open.events.begin(), open.events.end());
-      open.events = std::move(before);
+      const bool there = look(open, milliseconds(100), [&] { return open.reply.has_value(); });
       if (open.reply && open.reply->request == begun.request) {
         open.cause = client::detail::to_cause(open.reply->cause);
         const int result = client::c_face::number_of(static_cast<client::ReplyCode>(open.reply->code));
@@ -161,9 +188,10 @@ int command(cansync_application* handle, const cansync_slave_SlaveCommand& wante
         return result == CANSYNC_DONE ? result : fail(open, result, "daemon: " + reason);
       }
       open.reply.reset();
-      if (!there) break;
+      if (!there || !goes_on(open)) break;
     }
-    return fail(open, CANSYNC_NO_REPLY, "client: the daemon has gone, or did not answer");
+    return fail(open, CANSYNC_NO_REPLY,
+                "client: the daemon has gone or did not answer, or the program did not wait any longer");
   });
 }
 
@@ -193,9 +221,11 @@ int cansync_application_connect(cansync_application* application, const cansync_
   return guarded(application, [&](cansync_application& open) {
     if (open.slave)
       return fail(open, CANSYNC_INVALID, "the handle is connected already; take a new one for another bus");
+    const client::Options given = client::c_face::options_of(options);
     // A connection cannot be moved: it is made where it stays. `guarded` catches what that throws.
     // NOLINTNEXTLINE(bugprone-unhandled-exception-at-new)
-    open.slave.reset(new SlaveClient(client::detail::connect_to_slave(client::c_face::options_of(options))));
+    open.slave.reset(new SlaveClient(client::detail::connect_to_slave(given)));
+    open.go_on = given.go_on;
     listen_to_daemon(open);
     return static_cast<int>(CANSYNC_DONE);
   });
@@ -217,7 +247,8 @@ int cansync_application_receive(cansync_application* application, uint32_t wait_
                                 cansync_slave_event* out) noexcept {
   return connected_slave(application, [&](cansync_application& open, SlaveClient& slave) {
     if (out == nullptr) return fail(open, CANSYNC_INVALID, "client: out is NULL");
-    const bool there = look(open, open.events.empty() ? milliseconds(wait_ms) : milliseconds{0});
+    const bool there = look(open, open.events.empty() ? milliseconds(wait_ms) : milliseconds{0},
+                            [&] { return !open.events.empty(); });
     open.reply.reset();
     if (!open.events.empty()) {
       *out = open.events.front();

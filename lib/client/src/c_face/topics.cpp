@@ -32,7 +32,7 @@ int give(cansync_client& open, const std::optional<Sample>& sample, void* out, s
                     std::to_string(sizeof(Sample)) +
                     " bytes; was the program built with the headers of another version?");
   }
-  if (!sample) return fail(open, CANSYNC_NO_DATA, "client: nothing has come from this slave yet");
+  if (!sample) return fail(open, CANSYNC_NO_DATA, "client: nothing has come yet");
   std::memcpy(out, &*sample, sizeof(Sample));
   return CANSYNC_DONE;
 }
@@ -85,9 +85,9 @@ int cansync_get_sample(cansync_client* handle, int topic, uint32_t slave, uint32
       case CANSYNC_TOPIC_GATEWAY_STATUS:
         return give(open, std::optional(client.gateway_status()), out, size);
       case CANSYNC_TOPIC_BUS_STATUS:
-        return give(open, std::optional(client.bus_status()), out, size);
+        return give(open, client.bus_status(time), out, size);
       case CANSYNC_TOPIC_REALTIME_STATUS:
-        return give(open, std::optional(client.realtime_status()), out, size);
+        return give(open, client.realtime_status(time), out, size);
       case CANSYNC_TOPIC_SLAVE_STATUS:
         return give(open, slave_status(client, slave, time), out, size);
       case CANSYNC_TOPIC_ACTUAL_VALUES:

@@ -25,8 +25,7 @@ std::string raw_text(std::uint32_t value, bool doubleword) {
 
 /// Does the profile's scaling hold for this value?
 bool scales(const KnownRequest& request, const client::ParameterReply& reply) {
-  return has_known_value(request) &&
-         reply.doubleword == (request.known->format == profile::Format::doubleword);
+  return has_known_value(request) && profile::fits_format(*request.known, reply.doubleword);
 }
 
 std::string number_text(const KnownRequest& request, const client::ParameterReply& reply) {
