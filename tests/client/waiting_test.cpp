@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <future>
 #include <iterator>
 #include <string>
+#include <thread>
 
 #include "client/fake_daemon.h"
 #include "support/dds_places.h"
@@ -41,6 +43,53 @@ TEST_F(WaitingTest, ForAStateThatIsThereAndOneThatNeverComes) {
       std::equal(std::begin(active->daemon), std::end(active->daemon), client->gateway_status().daemon));
   EXPECT_FALSE(
       client->wait_status([](const MasterStatus& s) { return s.option_status == 0x43; }, milliseconds(20)));
+}
+
+TEST_F(WaitingTest, AConditionMayAskTheClient) {
+  const auto active = client->wait_status(
+      [&](const MasterStatus& s) {
+        return client->slaves().size() == 4 && client->validity().daemon[0] == s.daemon[0] &&
+               client->read(1, 7).ok();
+      },
+      gateway::kLongWait);
+  EXPECT_TRUE(active);
+}
+
+TEST_F(WaitingTest, WhatADaemonThatIsGoneToldLastIsNotHowTheLineIs) {
+  const auto is_active = [](const MasterStatus& status) { return status.option_status == 0x80; };
+  ASSERT_TRUE(client->wait_status(is_active, gateway::kLongWait));
+  ASSERT_EQ(client->slaves().size(), 4u);
+  EXPECT_EQ(client->find_slave("slave2").slave, 2);
+  daemon.reset();
+  const auto end = std::chrono::steady_clock::now() + gateway::kLongWait;
+  while (client->daemon_present() && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+  EXPECT_FALSE(client->wait_status(is_active, milliseconds(50)));
+  EXPECT_TRUE(client->slaves(milliseconds(0)).empty());
+  EXPECT_FALSE(client->find_slave("slave2").slave);
+  daemon.emplace(places.here);
+  EXPECT_TRUE(client->wait_status(is_active, gateway::kLongWait)) << "and that of the new one is";
+  EXPECT_EQ(client->slaves(gateway::kLongWait).size(), 4u);
+}
+
+TEST_F(WaitingTest, EventsThatNeverRestAreCollectedForTwoSecondsAndOfEachSeverityTheLast) {
+  (void)client->recent_events();  // reads them from now on
+  daemon->publish_event(1, gateway_SEVERITY_ERROR);
+  std::atomic<bool> stop = false;
+  std::thread writer([&] {
+    for (std::uint64_t number = 2; !stop; ++number) {
+      daemon->publish_event(number, gateway_SEVERITY_INFO);
+      std::this_thread::sleep_for(milliseconds(2));
+    }
+  });
+  const auto before = std::chrono::steady_clock::now();
+  const std::vector<Event> recent = client->recent_events();
+  const auto took = std::chrono::steady_clock::now() - before;
+  stop = true;
+  writer.join();
+  EXPECT_GE(took, seconds(2));
+  EXPECT_LT(took, gateway::kLongWait);
+  EXPECT_EQ(recent.size(), 101u);
+  EXPECT_EQ(recent.front().number, 1u) << "what is frequent does not push faults out";
 }
 
 TEST_F(WaitingTest, AClientThatOnlyLooksAsksForNothing) {

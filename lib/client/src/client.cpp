@@ -151,8 +151,16 @@ BusStatus Client::bus_status() const {
   return link_->first<BusStatus>("BusStatus");
 }
 
+std::optional<BusStatus> Client::bus_status(std::chrono::milliseconds time) const {
+  return link_->first_within<BusStatus>(time);
+}
+
 RealtimeStatus Client::realtime_status() const {
   return link_->first<RealtimeStatus>("RealtimeStatus");
+}
+
+std::optional<RealtimeStatus> Client::realtime_status(std::chrono::milliseconds time) const {
+  return link_->first_within<RealtimeStatus>(time);
 }
 
 MasterStatus Client::master_status() const {
@@ -165,12 +173,11 @@ Validity Client::validity() const {
 
 std::optional<MasterStatus> Client::wait_status(const std::function<bool(const MasterStatus&)>& fits,
                                                 std::chrono::milliseconds time) const {
-  std::optional<MasterStatus> found;
-  (void)link_->open<MasterStatus>().wait(time, [&](const std::vector<MasterStatus>& known) {
-    if (!known.empty() && fits(known.front())) found = known.front();
-    return found.has_value();
-  });
-  return found;
+  // What a daemon that has gone has told last is not how the line is.
+  const auto counts = [&](const MasterStatus& status) {
+    return link_->is_there(gateway::dds::daemon_of(status));
+  };
+  return link_->open<MasterStatus>().wait_each(time, counts, fits);
 }
 
 std::vector<SlaveStatus> Client::slaves(std::chrono::milliseconds time) const {
@@ -221,7 +228,9 @@ SlaveLookup Client::find_slave(std::string_view number_or_name) const {
 
 std::vector<Event> Client::recent_events(std::chrono::milliseconds quiet) const {
   auto& feed = link_->open<Event>();
-  feed.wait_quiet(quiet);
+  // What the daemon has kept comes at once; on a line where something always happens it is never quiet.
+  constexpr std::chrono::milliseconds kMost{2000};
+  feed.wait_quiet(quiet, kMost);
   std::vector<Event> events = feed.known();
   // Each level has a writer of its own.
   std::sort(events.begin(), events.end(), [](const Event& one, const Event& other) {

@@ -8,14 +8,18 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "client/src/set_up.h"
+#include "dds/ask/daemon_choice.h"
 #include "dds/endpoint.h"
 
 /// Internal to lib/client.
@@ -35,30 +39,37 @@ struct Subscription::Hold {
 
 namespace detail {
 
-/// What a feed keeps of its samples: the newest of each key, or the last `kKept`.
+/// What a feed keeps of its samples: the newest of each key, or of each kind the last `kKept`.
 template <class T>
 struct Kept {
   static constexpr std::size_t kKept = 1;
   static bool same_key(const T&, const T&) { return true; }
+  static bool same_kind(const T&, const T&) { return true; }
 };
 template <>
 struct Kept<ActualValues> {
   static constexpr std::size_t kKept = cansync_SLAVES;
   static bool same_key(const ActualValues& a, const ActualValues& b) { return a.slave == b.slave; }
+  static bool same_kind(const ActualValues&, const ActualValues&) { return true; }
 };
 template <>
 struct Kept<SlaveStatus> {
   static constexpr std::size_t kKept = cansync_SLAVES;
   static bool same_key(const SlaveStatus& a, const SlaveStatus& b) { return a.slave == b.slave; }
+  static bool same_kind(const SlaveStatus&, const SlaveStatus&) { return true; }
 };
 template <>
 struct Kept<Event> {
-  static constexpr std::size_t kKept = 300;  // the last 100 of each level
+  static constexpr std::size_t kKept = 100;
   static bool same_key(const Event&, const Event&) { return false; }
+  static bool same_kind(const Event& a, const Event& b) { return a.severity == b.severity; }
 };
 
+/// The participant of a daemon.
+using Place = dds::DaemonChoice::Place;
+
 /// One state topic: its reader from the first use on, what is known, and who wants to hear. Any thread may
-/// call every function but `dispatch`.
+/// call every function that does not say otherwise.
 template <class T>
 class Feed {
  public:
@@ -70,6 +81,10 @@ class Feed {
   /// Asked every `kAsk` while something is waited for, on the waiting thread; empty: nobody is. Before
   /// `open`.
   void set_go_on(std::function<bool()> go_on) { go_on_ = std::move(go_on); }
+  /// Where the writer of a sample is, asked on the receiver thread. Before `open`.
+  void set_place_of(std::function<Place(dds_entity_t reader, dds_instance_handle_t writer)> place_of) {
+    place_of_ = std::move(place_of);
+  }
   /// The reader; after `open`.
   dds_entity_t reader() const noexcept { return reader_->handle(); }
 
@@ -98,23 +113,61 @@ class Feed {
     return wait_changed(time, [&] { return condition(known_); });
   }
 
-  /// Waits until nothing has come for `quiet`.
-  void wait_quiet(std::chrono::milliseconds quiet) const {
+  /// The first that fits, of those that are known and of each that comes, as soon as it `counts`: both are asked without a
+  /// lock, so that they may use the client. Nothing when none does within `time`, or `go_on` says no.
+  template <class Counts>
+  std::optional<T> wait_each(std::chrono::milliseconds time, Counts&& counts,
+                             const std::function<bool(const T&)>& fits) const {
+    using Clock = std::chrono::steady_clock;
+    const auto end = Clock::now() + time;
+    const Watch watch(*this);
+    std::optional<T> newest;  // that was not asked for yet
+    while (true) {
+      if (std::optional<T> one = watch.take(std::min(end, Clock::now() + kAsk))) newest = std::move(one);
+      if (newest && counts(*newest)) {
+        if (fits(*newest)) return newest;
+        newest.reset();
+      }
+      if (Clock::now() >= end || (go_on_ && !go_on_())) return std::nullopt;
+    }
+  }
+
+  /// Waits until nothing has come for `quiet`, or for `most` at all.
+  void wait_quiet(std::chrono::milliseconds quiet, std::chrono::milliseconds most) const {
+    using Clock = std::chrono::steady_clock;
+    const auto end = Clock::now() + most;
     std::uint64_t seen = 0;
     const auto came = [&] { return std::exchange(seen, changes_) != changes_; };
     (void)wait_changed(std::chrono::milliseconds(0), came);
-    while (wait_changed(quiet, came)) continue;
+    while (wait_changed(quiet, came)) {
+      if (Clock::now() >= end) return;
+    }
   }
 
-  /// Receiver thread: takes what has come and calls the subscribers.
-  void dispatch() {
+  /// Receiver thread: takes what has come; nobody hears of it before `tell`.
+  void take() {
+    const std::lock_guard lock(mutex_);
+    if (reader_) take_samples();
+  }
+
+  /// Receiver thread: what was told at other places than these is not known any more.
+  void keep_of(std::span<const Place> places) {
+    const std::lock_guard lock(mutex_);
+    for (std::size_t i = known_.size(); i-- > 0;) {
+      if (std::find(places.begin(), places.end(), places_[i]) != places.end()) continue;
+      known_.erase(known_.begin() + static_cast<std::ptrdiff_t>(i));
+      places_.erase(places_.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+  }
+
+  /// Receiver thread: wakes who waits and calls the subscribers.
+  void tell() {
     std::vector<T> news;
     std::vector<T> all;
     std::vector<std::shared_ptr<Subscription::Hold>> holds;
     {
       const std::lock_guard lock(mutex_);
-      if (!reader_) return;
-      take(news);
+      news = std::exchange(news_, {});
       std::erase_if(holds_,
                     [](const auto& hold) { return hold.use_count() == 1; });  // the subscription is gone
       holds = holds_;
@@ -162,6 +215,37 @@ class Feed {
     }
   }
 
+  /// What comes while it lives, with what is known, for who looks at each.
+  class Watch {
+   public:
+    explicit Watch(const Feed& feed) : feed_(feed) {
+      const std::lock_guard lock(feed_.mutex_);
+      come_.assign(feed_.known_.begin(), feed_.known_.end());
+      feed_.watches_.push_back(&come_);
+    }
+    ~Watch() {
+      const std::lock_guard lock(feed_.mutex_);
+      std::erase(feed_.watches_, &come_);
+    }
+    Watch(const Watch&) = delete;
+    Watch& operator=(const Watch&) = delete;
+
+    /// The oldest; waits for it until `next`.
+    std::optional<T> take(std::chrono::steady_clock::time_point next) const {
+      std::unique_lock lock(feed_.mutex_);
+      if (!feed_.changed_.wait_until(lock, next, [this] { return !come_.empty(); })) return std::nullopt;
+      const T one = come_.front();
+      come_.pop_front();
+      return one;
+    }
+
+   private:
+    const Feed& feed_;
+    mutable std::deque<T> come_;
+  };
+  /// Of samples that who looks at each has not looked at yet, the oldest goes.
+  static constexpr std::size_t kWatched = 1000;
+
   /// Daemons of a bus; more than one only while a dead one is not yet known to be dead.
   static constexpr std::size_t kWriters = 64;
 
@@ -173,29 +257,39 @@ class Feed {
     return found;
   }
 
-  void take(std::vector<T>& news) {
+  void take_samples() {
     const auto on_sample = [&](const T& sample, const dds_sample_info_t& info) {
       if (!info.valid_data) return;
       if (writers_.size() >= kWriters) writers_.clear();
       writers_.insert(info.publication_handle);
       if (first_look_) first_look_(sample, info.publication_handle);
-      keep(sample, news);
+      keep(sample, place_of_ ? place_of_(reader_->handle(), info.publication_handle) : Place{0});
     };
     while (reader_->take_batch(on_sample) == dds::ReaderBase::kBatch) {
     }
   }
 
-  void keep(const T& sample, std::vector<T>& news) {
-    news.push_back(sample);
+  void keep(const T& sample, Place place) {
+    news_.push_back(sample);
     ++changes_;
-    for (T& known : known_) {
-      if (Kept<T>::same_key(known, sample)) {
-        known = sample;
-        return;
-      }
+    for (std::deque<T>* come : watches_) {
+      if (come->size() == kWatched) come->pop_front();
+      come->push_back(sample);
     }
-    if (known_.size() == Kept<T>::kKept) known_.erase(known_.begin());
+    for (std::size_t i = 0; i < known_.size(); ++i) {
+      if (!Kept<T>::same_key(known_[i], sample)) continue;
+      known_[i] = sample;
+      places_[i] = place;
+      return;
+    }
+    const auto is_alike = [&](const T& known) { return Kept<T>::same_kind(known, sample); };
+    if (static_cast<std::size_t>(std::count_if(known_.begin(), known_.end(), is_alike)) == Kept<T>::kKept) {
+      const auto oldest = std::find_if(known_.begin(), known_.end(), is_alike);
+      places_.erase(places_.begin() + (oldest - known_.begin()));
+      known_.erase(oldest);
+    }
     known_.push_back(sample);
+    places_.push_back(place);
   }
 
   mutable std::mutex mutex_;
@@ -203,9 +297,13 @@ class Feed {
   std::unique_ptr<dds::Reader<T>> reader_;
   std::function<void(const T&, dds_instance_handle_t)> first_look_;
   std::function<bool()> go_on_;
+  std::function<Place(dds_entity_t, dds_instance_handle_t)> place_of_;
   std::vector<T> known_;
+  std::vector<Place> places_;                // of each of them
+  std::vector<T> news_;                      // that were not told yet
   std::set<dds_instance_handle_t> writers_;  // that have sent something
   std::uint64_t changes_ = 0;
+  mutable std::vector<std::deque<T>*> watches_;
   std::vector<std::shared_ptr<Subscription::Hold>> holds_;
 };
 

@@ -59,8 +59,12 @@ Link::Link(const Options& options)
     heard_.push_back(
         {writer, dds::daemon_of(status), std::string(text(status.host)), std::string(text(status.protocol))});
   });
-  const auto ask = [&options](auto&... feeds) { (feeds.set_go_on(options.go_on), ...); };
-  ask(gateway_, bus_, realtime_, master_, slaves_, actual_, events_, timing_, interval_);
+  with_feeds([&](auto& feed) { feed.set_go_on(options.go_on); });
+  const auto where = [this](dds_entity_t reader, dds_instance_handle_t writer) {
+    return place_of(reader, writer);
+  };
+  slaves_.set_place_of(where);
+  actual_.set_place_of(where);
   if (options.requests) requests_.emplace(participant_, identity_, &signal_, !options.security.empty());
 }
 
@@ -118,6 +122,11 @@ bool Link::daemon_present() const {
 std::string Link::several_daemons() const {
   const std::lock_guard lock(mutex_);
   return choice_.view() == dds::DaemonChoice::View::several ? several_text() : on_other_computer();
+}
+
+bool Link::is_there(const dds::DaemonIdentity& start) const {
+  const std::lock_guard lock(mutex_);
+  return present_ && choice_.view() == dds::DaemonChoice::View::one && choice_.daemon() == start;
 }
 
 bool Link::asks(const dds::DaemonIdentity& start) const {
@@ -299,7 +308,7 @@ bool Link::everything_matched(const std::vector<Place>& daemons) {
   return reached;
 }
 
-std::vector<Link::Place> Link::matched_places(dds_entity_t reader) {
+std::vector<Place> Link::matched_places(dds_entity_t reader) {
   constexpr std::size_t kMost = 64;
   std::vector<dds_instance_handle_t> writers(kMost);
   const dds_return_t count = dds_get_matched_publications(reader, writers.data(), kMost);
@@ -312,7 +321,7 @@ std::vector<Link::Place> Link::matched_places(dds_entity_t reader) {
   return places;
 }
 
-Link::Place Link::place_of(dds_entity_t reader, dds_instance_handle_t writer) {
+Place Link::place_of(dds_entity_t reader, dds_instance_handle_t writer) {
   constexpr std::size_t kMost = 1024;  // far more than daemons that live
   if (places_.size() >= kMost) places_.clear();
   const auto known = places_.find(writer);
@@ -355,15 +364,14 @@ void Link::receive() {
     const std::vector<Place> alive = requests_ ? matched_places(requests_->parameter_reader.handle()) : there;
     there.insert(there.end(), alive.begin(), alive.end());
     if (requests_) take_replies();
-    dispatch_feeds();
-    choose_daemon(there);
+    take_feeds(there, !alive.empty());
+    tell_feeds();
     end_lost_jobs();
     end_overdue_jobs();
     // A request is written only when every daemon hears it, and its reply gets here: one that has just
     // started may be known by half of its topics.
     const bool reachable = !alive.empty() && everything_matched(alive);
     const std::lock_guard lock(mutex_);
-    present_ = !alive.empty();
     reachable_ = reachable;
     ready_ = ready_ ||
              (reachable && choice_.view() == dds::DaemonChoice::View::one && on_other_computer().empty());
@@ -396,16 +404,31 @@ void Link::end_overdue_jobs() {
   end(commands);
 }
 
-void Link::dispatch_feeds() {
-  gateway_.dispatch();
-  bus_.dispatch();
-  realtime_.dispatch();
-  master_.dispatch();
-  slaves_.dispatch();
-  actual_.dispatch();
-  events_.dispatch();
-  timing_.dispatch();
-  interval_.dispatch();
+template <class Use>
+void Link::with_feeds(Use&& use) {
+  const auto each = [&use](auto&... feeds) { (use(feeds), ...); };
+  each(gateway_, bus_, realtime_, master_, slaves_, actual_, events_, timing_, interval_);
+}
+
+void Link::take_feeds(const std::vector<Place>& matched, bool present) {
+  with_feeds([](auto& feed) { feed.take(); });
+  choose_daemon(matched);
+  // A daemon is known by its GatewayStatus: of one that has not told it yet nothing is forgotten either.
+  std::vector<Place> living;
+  {
+    const std::lock_guard lock(mutex_);
+    present_ = present;
+    living = choice_.living();
+    if (choice_.view() != dds::DaemonChoice::View::one)
+      living.insert(living.end(), matched.begin(), matched.end());
+  }
+  if (!present) living.clear();
+  slaves_.keep_of(living);
+  actual_.keep_of(living);
+}
+
+void Link::tell_feeds() {
+  with_feeds([](auto& feed) { feed.tell(); });
 }
 
 void Link::end_lost_jobs() {

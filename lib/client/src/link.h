@@ -59,6 +59,8 @@ class Link : public std::enable_shared_from_this<Link> {
   /// Why nothing is asked or given now, because several daemons serve the bus, or only that of another computer than the
   /// program means; else empty.
   std::string several_daemons() const;
+  /// Is this start of the daemon the one that is there?
+  bool is_there(const dds::DaemonIdentity& start) const;
   /// Are requests for this start of the daemon, and does it hear them?
   bool asks(const dds::DaemonIdentity& start) const;
   /// The program was told of this start of the daemon.
@@ -102,12 +104,14 @@ class Link : public std::enable_shared_from_this<Link> {
   /// The newest sample of a topic without keys; waits for the first. Throws NoDaemon.
   template <class T>
   T first(std::string_view topic);
+  /// The same; nothing when it does not come within `time`.
+  template <class T>
+  std::optional<T> first_within(std::chrono::milliseconds time);
   template <class T>
   Subscription subscribe(std::function<void(const T&)> callback);
 
  private:
   using Identity = std::array<std::uint8_t, 16>;
-  using Place = dds::DaemonChoice::Place;
   /// A status that came, for the choice of the daemon.
   struct Heard {
     dds_instance_handle_t writer;
@@ -161,7 +165,12 @@ class Link : public std::enable_shared_from_this<Link> {
   void take_command_replies();
   void take_transfer_replies();
   void take_progress();
-  void dispatch_feeds();
+  /// Takes what has come, and forgets what daemons have told that are there no more.
+  void take_feeds(const std::vector<Place>& matched, bool present);
+  /// Tells the program of it.
+  void tell_feeds();
+  template <class Use>
+  void with_feeds(Use&& use);
   void end_lost_jobs();
   /// Cancels and ends the jobs whose reply does not come.
   void end_overdue_jobs();
@@ -273,13 +282,19 @@ T Link::first(std::string_view topic) {
   constexpr std::chrono::milliseconds kFirst(2000);
   // Only a bus of CANsync has it: what will never come is not waited for.
   if constexpr (std::is_same_v<T, MasterStatus>) expect_own_protocol();
-  std::vector<T> newest;
-  (void)open<T>().wait(kFirst, [&newest](const std::vector<T>& known) {
-    newest = known;
-    return !newest.empty();
+  const std::optional<T> newest = first_within<T>(kFirst);
+  if (!newest) throw NoDaemon(not_told(topic));
+  return *newest;
+}
+
+template <class T>
+std::optional<T> Link::first_within(std::chrono::milliseconds time) {
+  std::optional<T> newest;
+  (void)open<T>().wait(time, [&newest](const std::vector<T>& known) {
+    if (!known.empty()) newest = known.front();
+    return newest.has_value();
   });
-  if (newest.empty()) throw NoDaemon(not_told(topic));
-  return newest.front();
+  return newest;
 }
 
 template <class T>

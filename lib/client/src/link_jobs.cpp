@@ -294,7 +294,8 @@ void Link::take_command_replies() {
   });
   if (ended.empty()) return;
   // The daemon tells the number of a changed mapping before the reply: whoever has the reply knows it too.
-  master_.dispatch();
+  master_.take();
+  master_.tell();
   for (auto& [job, reply] : ended) job->finish(std::move(reply));
 }
 

@@ -79,7 +79,8 @@ typedef struct cansync_line_status {
  * CANSYNC_INVALID: `out` is NULL. */
 CANSYNC_C_API int cansync_get_status(cansync_client* client, cansync_line_status* out) CANSYNC_C_NOEXCEPT;
 
-/* Waits until the line is in run and every configured slave is synchronized. CANSYNC_TIMEOUT. */
+/* Waits until the line is in run and every configured slave is synchronized, as the daemon tells that is there.
+ * CANSYNC_TIMEOUT; CANSYNC_NO_DAEMON: when the time was over none was there. */
 CANSYNC_C_API int cansync_wait_active(cansync_client* client, uint32_t timeout_ms) CANSYNC_C_NOEXCEPT;
 
 /* The slave with this number (decimal, or hexadecimal with 0x) or name. CANSYNC_INVALID. */

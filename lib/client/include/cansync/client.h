@@ -92,15 +92,20 @@ class CANSYNC_PUBLIC Client {
   /// Which daemon serves the bus, as it told last: its start, version and data model, host and process; whom
   /// it has refused. At most about a second old while it lives.
   GatewayStatus gateway_status() const;
-  /// The CAN controller and its interface.
+  /// The CAN controller and its interface. Waits at most 2 s for the first.
   BusStatus bus_status() const;
-  /// What the realtime thread was granted, and what its timeline follows.
+  /// The same, waiting at most `time` for the first; nothing when it has not come.
+  std::optional<BusStatus> bus_status(std::chrono::milliseconds time) const;
+  /// What the realtime thread was granted, and what its timeline follows. Waits at most 2 s for the first.
   RealtimeStatus realtime_status() const;
+  /// The same, waiting at most `time` for the first; nothing when it has not come.
+  std::optional<RealtimeStatus> realtime_status(std::chrono::milliseconds time) const;
   /// The line of CANsync as the daemon told it last; at most about a second old while it lives.
   MasterStatus master_status() const;
   /// Waits at most `time` until the master's status fits, looking at each one that comes (at least one a
   /// second): for example until `status.slaves_synchronized == status.slaves_configured`. That status;
-  /// nothing when none has fitted.
+  /// nothing when none has fitted. What a daemon that is gone told last does not count. `fits` may use this client; the
+  /// time that it takes counts.
   std::optional<MasterStatus> wait_status(const std::function<bool(const MasterStatus&)>& fits,
                                           std::chrono::milliseconds time) const;
   /// Configured slaves in rising order. Waits at most `time` until the status of every configured slave is
@@ -119,7 +124,8 @@ class CANSYNC_PUBLIC Client {
   /// Other DDS participants known in the domain now: on `lo` daemons and programs without this library, on
   /// other interfaces clients too.
   std::uint32_t participants() const noexcept;
-  /// The last events (at most 100), oldest first: collected until none comes for `quiet`.
+  /// The last events, at most 100 of each severity, oldest first: collected until none comes for `quiet`, for at most
+  /// 2 s.
   std::vector<Event> recent_events(std::chrono::milliseconds quiet = std::chrono::milliseconds(300)) const;
 
   // --- subscriptions: state topics deliver what is known at once. Throw SetupError like every function that

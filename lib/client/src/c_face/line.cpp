@@ -1,6 +1,8 @@
 #include <cansync/topics.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cstdint>
 
 #include "client/src/c_face/handle.h"
 
@@ -18,6 +20,7 @@ static_assert(static_cast<int>(Mode::setup) == CANSYNC_MODE_SETUP);
 static_assert(static_cast<int>(Mode::restart) == CANSYNC_MODE_RESTART);
 
 constexpr std::uint16_t kActive = 0x0080;  // w_OPTION_STATUS
+constexpr std::uint64_t kBitTimes = 1000;  // of an interval: 8 ms at 125 kbit/s to 1 ms at 1 Mbit/s
 
 }  // namespace
 
@@ -47,7 +50,9 @@ int cansync_get_status(cansync_client* handle, cansync_line_status* out) noexcep
     // Zeros are behind the text.
     const std::string_view state = cansync::client::text(status.state);
     std::copy_n(state.begin(), std::min(state.size(), sizeof out->state - 1), out->state);
-    out->bit_rate = client.bus_status().bit_rate;
+    // What BusStatus says may not have come yet.
+    if (status.interval_length != 0)
+      out->bit_rate = static_cast<std::uint32_t>(kBitTimes * 1'000'000'000 / status.interval_length);
     out->interval_ns = status.interval_length;
     out->interval = status.interval;
     out->slaves_configured = status.slaves_configured;
@@ -64,10 +69,13 @@ int cansync_wait_active(cansync_client* handle, uint32_t timeout_ms) noexcept {
     };
     if (client.wait_status(active, std::chrono::milliseconds(timeout_ms)))
       return static_cast<int>(CANSYNC_DONE);
+    if (!client.daemon_present())
+      return fail(open, CANSYNC_NO_DAEMON, "client: no daemon is there (" + client.place() + ")");
     const MasterStatus status = client.master_status();
     return fail(open, CANSYNC_TIMEOUT,
-                "client: not within " + std::to_string(timeout_ms) + " ms: the state is '" +
-                    std::string(cansync::client::text(status.state)) + "'; see mode and the slaves' status");
+                "client: " + (timeout_ms == 0 ? "" : "not within " + std::to_string(timeout_ms) + " ms: ") +
+                    "the state is '" + std::string(cansync::client::text(status.state)) +
+                    "'; see mode and the slaves' status");
   });
 }
 
