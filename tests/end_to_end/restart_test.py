@@ -1,6 +1,7 @@
 """A daemon that is killed and started again before its absence could be noticed: what follows it says so."""
 
 import csv
+import json
 import os
 import select
 import signal
@@ -82,14 +83,18 @@ class Restart(unittest.TestCase):
         events = self.follow("events", "--follow")
         waiting = self.follow("wait", "bus-off")
         setting = self.follow("set", "0=5000")
+        timing = self.follow("timing", "--seconds", "3", "--follow", "--json")
         wait_for("they have begun", lambda: self.last_row(path) and watching.wrote() and events.wrote())
         wait_for("the values are taken", lambda: self.gateway.status()["reference_release"][0]["writer"] != "")
         self.restart()
-        for follower in (recording, watching, events, waiting, setting):
+        for follower in (recording, watching, events, waiting, setting, timing):
             wait_for(f"{follower.process.arguments} says it", lambda said=follower.said: STARTED_ANEW in said())
             self.assertEqual(follower.said().count(STARTED_ANEW), 1, follower.said())
         wait_for("an empty line between the rows of both starts", lambda: "\n\n" in watching.wrote())
         self.assertIsNone(waiting.process.poll())
+        wait_for("timing figures of the new start", lambda: timing.wrote().count("\n") >= 2)
+        for line in timing.wrote().splitlines():
+            self.assertLess(json.loads(line)["intervals"], 10_000, line)
 
         wait_for("the recording goes on", lambda: self.last_row(path))
         recording.process.send_signal(signal.SIGINT)

@@ -93,7 +93,9 @@ class Lists(Script):
         self.assertEqual(self.run_verb("control", "0-1,3", 0).stderr, "cansync: control word 0x0000 to slaves 0-1,3 sent\n")
         self.assertEqual(self.slaves("release", "2,winder", code=3), [1, 2])
         self.assertEqual(self.one("broadcast", "--yes", "--slaves", "winder,2-3", "--command", 128)["slave_mask"], 0b1110)
-        self.assertEqual(self.one("broadcast", "--yes", "--slaves", "all", "--command", 128)["slave_mask"], 0xFFFFFFFF)
+        self.assertEqual(self.one("broadcast", "--yes", "--slaves", "all", "--command", 128)["slave_mask"], 0b1111)
+        self.assertIn("every slave on the bus, configured or not",
+                      self.run_verb("broadcast", "--yes", "--slaves", "0xFFFFFFFF", "--command", 128).stderr)
 
     def test_looking(self):
         self.assertEqual(self.slaves("slaves", "0,2-3"), [0, 2, 3])

@@ -1,8 +1,11 @@
 #include <fmt/format.h>
 
+#include <span>
+
 #include "cli/base/endings.h"
 #include "cli/base/session.h"
 #include "cli/text/slave_list.h"
+#include "cli/text/values.h"
 #include "text/counts.h"
 
 /// The slaves a command line names.
@@ -14,6 +17,12 @@ std::vector<unsigned> numbers_of(std::uint32_t mask) {
   for (unsigned slave = 0; slave < kSlaves; ++slave)
     if (((mask >> slave) & 1u) != 0) numbers.push_back(slave);
   return numbers;
+}
+
+std::uint32_t mask_of(std::span<const unsigned> slaves) {
+  std::uint32_t mask = 0;
+  for (const unsigned slave : slaves) mask |= 1u << slave;
+  return mask;
 }
 
 }  // namespace
@@ -93,7 +102,13 @@ ExitCode Session::for_each(const std::vector<unsigned>& slaves,
     if (code == ExitCode::done && lines == Lines::failures_grouped) output_.say_kept();
     output_.set_slave(std::nullopt);
     if (first == ExitCode::done) first = code;
-    if (interrupt_flag().load()) break;
+    if (!interrupt_flag().load()) continue;
+    const auto left = std::span(slaves).subspan(index + 1);
+    if (left.empty()) break;
+    output_.remark(fmt::format("{} {}: not done", left.size() == 1 ? "slave" : "slaves",
+                               format_slave_set(mask_of(left))));
+    if (first == ExitCode::done) first = ExitCode::cancelled;
+    break;
   }
   several_ = false;
   output_.end_group();

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <bit>
-#include <limits>
 #include <memory>
 
 #include "cli/base/consent.h"
@@ -82,8 +81,10 @@ ExitCode say_only(Session& session, std::string_view what) {
 }
 
 /// "all" are all that are on the bus, also those nobody has configured: every bit of the mask (M 4.2).
+/// Also those that nobody has configured.
+constexpr std::uint32_t kEverybody = 0xFFFFFFFF;
+
 std::uint32_t parse_slaves(Session& session, const std::string& text) {
-  if (text == "all") return std::numeric_limits<std::uint32_t>::max();
   if (text.starts_with("0x") || text.starts_with("0X")) return parse_slave_mask(text);
   return session.slave_mask(text);
 }
@@ -96,8 +97,10 @@ ExitCode broadcast_verb(Session& session, const BroadcastTexts& texts) {
   broadcast.data_word = parse_raw(texts.word, "--word", Width::word);
   broadcast.slave_mask = parse_slaves(session, texts.slaves);
   broadcast.timeout_ms = session.monitoring_ms();
-  const std::string where = fmt::format("broadcast of command {} to slaves {}", broadcast.action,
-                                        format_slave_set(broadcast.slave_mask));
+  const bool everybody = broadcast.slave_mask == kEverybody;
+  const std::string where = fmt::format("broadcast of command {} to {}", broadcast.action,
+                                        everybody ? "every slave on the bus, configured or not"
+                                                  : "slaves " + format_slave_set(broadcast.slave_mask));
   if (texts.consent.dry_run) return say_only(session, where);
   if (std::popcount(broadcast.slave_mask) > 1) ask_consent(session, texts.consent, where);
   const client::CommandReply reply =

@@ -6,6 +6,7 @@
 
 #include "cli/base/files.h"
 #include "cli/base/interrupt.h"
+#include "cli/base/restarts.h"
 #include "cli/base/verb_groups.h"
 #include "cli/cansync/timing_report.h"
 #include "cli/cansync/timing_samples.h"
@@ -63,11 +64,17 @@ ExitCode no_sample(Session& session, bool following) {
   return ExitCode::failed;
 }
 
+/// The daemon was started anew between both.
+bool counts_begin_again(const client::Timing& sample, const client::Timing& before) {
+  return sample.intervals < before.intervals;
+}
+
 ExitCode timing_verb(Session& session, const TimingTexts& texts) {
   session.look_only();
   const bool gathers = !texts.seconds.empty();
   const std::int64_t seconds = gathers ? parse_integer(texts.seconds, "--seconds", 1, kLongest) : 1;
   client::Client& client = session.client();
+  Restarts restarts(client);
   SampleQueue queue(client);
   std::optional<client::Timing> before;
   if (gathers && !(before = queue.next())) return no_sample(session, false);
@@ -78,7 +85,16 @@ ExitCode timing_verb(Session& session, const TimingTexts& texts) {
     while (samples.size() < static_cast<std::size_t>(seconds)) {
       const auto sample = queue.next();
       if (!sample) return no_sample(session, texts.follow);
-      samples.push_back(*sample);
+      restarts.expect_one();
+      const bool anew = restarts.take();
+      if (anew) session.output().remark(kStartedAnew);
+      // One of the start before may still have been on its way when the restart was known.
+      if (gathers && (anew || counts_begin_again(*sample, samples.empty() ? *before : samples.back()))) {
+        samples.clear();
+        before = sample;
+      } else {
+        samples.push_back(*sample);
+      }
     }
     const TimingReport report = timing_report(samples, before ? &*before : nullptr, line_facts(client));
     show(session.output(), report, in_place);
