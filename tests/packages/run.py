@@ -1,7 +1,9 @@
 """Builds the Debian packages, installs them with apt in a fresh Debian, boots that with systemd as its first process in the
 machine that has a time of its own (tests/kernel/machine.py), and runs the tests of the folder `inside` in it.
 
-    run.py [--keep FOLDER] [--lines N] [--gaps N] [--cuts N]
+    run.py [--previous] [--keep FOLDER] [--lines N] [--gaps N] [--cuts N]
+    --previous builds the packages that are upgraded, when an earlier run has not left them; without it those of this commit under
+    a lower version stand for them then, for on a computer without them that takes half an hour;
     FOLDER keeps packages and root file system, to look at them, and is taken up again as it is; N lines made at random
     are set up, 2 when it is not given; the adapter is gone N times more than it is anyhow, 4 when it is not given; the power
     is cut N times, 6 when it is not given
@@ -82,10 +84,15 @@ def commit_before():
     return commit if git("cat-file", "-t", commit) == "commit" else None
 
 
-def packages_before(commit, folder):
-    """Its packages into `folder`. They are kept beside the compiler cache: what they are made of does not change."""
+def place_of_packages(commit):
+    """Where its packages are kept, beside the compiler cache: what they are made of does not change."""
     cache = subprocess.run(["ccache", "--get-config", "cache_dir"], text=True, stdout=subprocess.PIPE, check=True, timeout=60).stdout.strip()
-    kept = pathlib.Path(cache, f"packages-{git('rev-parse', commit)}")
+    return pathlib.Path(cache, f"packages-{git('rev-parse', commit)}")
+
+
+def packages_before(commit, folder):
+    """Its packages into `folder`."""
+    kept = place_of_packages(commit)
     if not kept.exists():
         # Of those before it nobody looks at the debug symbols.
         run(REPOSITORY / "packaging/build", "--commit", commit, folder, env=dict(os.environ, DEB_BUILD_OPTIONS="noautodbgsym"))
@@ -98,14 +105,15 @@ def packages_before(commit, folder):
         shutil.copytree(kept, folder)
 
 
-def build(work):
+def build(work, previous):
     """The packages of this commit and those before it."""
     run(REPOSITORY / "packaging/build", work / "new")
     before = commit_before()
-    if before:
+    if before and (previous or place_of_packages(before).exists()):
         packages_before(before, work / "previous")
     else:
-        text = "the commit of tests/packages/upgraded_from is not in this clone: upgraded from this one under a lower version"
+        why = "its packages are not kept here (run.py --previous)" if before else "is not in this clone"
+        text = f"the commit of tests/packages/upgraded_from: {why}: upgraded from this one under a lower version"
         print(f"   {text}")
         machine.note(text)
         run(REPOSITORY / "packaging/build", "--suffix", "~before", work / "previous", env=dict(os.environ, DEB_BUILD_OPTIONS="noautodbgsym"))
@@ -194,6 +202,7 @@ class Boot:
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n", 1)[0])
+    parser.add_argument("--previous", action="store_true", help="build the packages that are upgraded, when they are not kept")
     parser.add_argument("--keep", type=pathlib.Path, help="folder that keeps packages and root file system")
     parser.add_argument("--lines", type=int, help="lines made at random; 2 when it is not given")
     parser.add_argument("--gaps", type=int, help="times more that the adapter is gone; 4 when it is not given")
@@ -210,7 +219,7 @@ def main():
             for left in (work / name for name in ("new", "previous", "extra")):
                 shutil.rmtree(left, ignore_errors=True)
             with stage("build the packages of this commit; those before it"):
-                build(work)
+                build(work, options.previous)
             # Neither uses what the other makes.
             with stage("lintian; install them in a fresh Debian"), concurrent.futures.ThreadPoolExecutor() as threads:
                 steps = [threads.submit(step, work) for step in (check, install)]
