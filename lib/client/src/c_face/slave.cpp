@@ -38,6 +38,10 @@ constexpr milliseconds kReplyTime{3000};
 /// A quarter of the silence after which the daemon takes an application for none.
 constexpr milliseconds kPresence{500};
 
+}  // namespace
+
+namespace cansync::client::c_face {
+
 /// A job as the program knows it: each start of the daemon numbers its own from 1, but an answer to one of the start before
 /// must not be given to another one.
 template <class Job>
@@ -51,7 +55,7 @@ struct Asked {
   }
 };
 
-}  // namespace
+}  // namespace cansync::client::c_face
 
 /// What stands behind the handle of a slave's application.
 struct cansync_application {
@@ -63,8 +67,8 @@ struct cansync_application {
   SlaveClient::Listener listener;
   std::optional<cansync_slave_SlaveCommandReply> reply;  ///< to the command that is waited for
   // The newest that wait for an answer; their sequences are not looked at.
-  Asked<cansync_slave_ParameterJob> parameter;
-  Asked<cansync_slave_BlockJob> block;
+  client::c_face::Asked<cansync_slave_ParameterJob> parameter;
+  client::c_face::Asked<cansync_slave_BlockJob> block;
   std::uint64_t jobs = 0;  ///< of both kinds, so far
   // After the client: they end before it.
   std::optional<::cansync_slave::client::Application> duties;
@@ -72,6 +76,8 @@ struct cansync_application {
 };
 
 namespace {
+
+using client::c_face::Asked;
 
 void keep(cansync_application& open, const cansync_slave_event& event) {
   if (open.events.size() == kMostEvents) open.events.pop_front();
