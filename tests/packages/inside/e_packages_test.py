@@ -46,10 +46,14 @@ class Packages(unittest.TestCase):
 
     def test_2_the_example_of_packages_before_stays_where_nobody_has_touched_it(self):
         run(*APT, "install", *packages()[1], timeout=SLOW)
-        shipped = pathlib.Path("/etc/cansync/can0.toml").read_bytes()
+        example = pathlib.Path("/etc/cansync/can0.toml")
+        shipped = example.read_bytes() if example.exists() else None
         run(*APT, "install", *packages()[0], timeout=SLOW)
-        self.assertEqual(pathlib.Path("/etc/cansync/can0.toml").read_bytes(), shipped)
+        kept = example.read_bytes() if example.exists() else None
         self.test_2_purge_leaves_nothing()
+        self.assertEqual(kept, shipped)
+        if shipped is None:
+            self.skipTest("the packages before are made of this commit, and have no example there")
 
     def test_3_the_packages_before_run_the_line(self):
         run(*APT, "install", *packages()[1], timeout=SLOW)
