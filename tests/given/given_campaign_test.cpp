@@ -32,10 +32,14 @@ const Cell& cell(std::string_view row, std::string_view column) {
   return *std::find_if(std::begin(kCells), std::end(kCells),
                        [&](const Cell& one) { return one.row == row && one.column == column; });
 }
-/// The part of a cell between its ", then ".
+/// The part of a cell between its ", then "; empty when it has no more.
 std::string_view step(std::string_view text, unsigned number) {
   constexpr std::string_view kThen = ", then ";
-  for (; number > 0; --number) text.remove_prefix(text.find(kThen) + kThen.size());
+  for (; number > 0; --number) {
+    const auto end = text.find(kThen);
+    if (end == std::string_view::npos) return {};
+    text.remove_prefix(end + kThen.size());
+  }
   return text.substr(0, text.find(kThen));
 }
 bool has(std::string_view text, std::string_view word) {
