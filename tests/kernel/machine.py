@@ -23,7 +23,7 @@ MEMORY = 1024  # MiB
 # 2^0 ns for each instruction: a processor of 1000 MIPS.
 TIME = ["-accel", "tcg,thread=single", "-icount", "shift=0,sleep=off", "-rtc", "base=2026-01-01T00:00:00,clock=vm"]
 # Without instructions that copy or clear byte by byte, each byte as one instruction.
-CPU = "max,-erms,-fsrm"
+CPU = "max,-erms,-fsrm,-la57,-smap,-smep,-umip,-pku"
 CONTROLLERS = ["-object", "can-bus,id=bus", "-device", "kvaser_pci,canbus=bus", "-device", "kvaser_pci,canbus=bus"]
 # Without norandmaps: every start of a program would have to be translated anew, at twice the time for all.
 KERNEL = "console=ttyS0 quiet panic=-1 mitigations=off no_timer_check tsc=reliable clocksource=tsc norandmaps init_on_alloc=0"

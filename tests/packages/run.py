@@ -1,11 +1,11 @@
 """Builds the Debian packages, installs them with apt in a fresh Debian, boots that with systemd as its first process in the
 machine that has a time of its own (tests/kernel/machine.py), and runs the tests of the folder `inside` in it.
 
-    run.py [--previous] [--keep FOLDER] [--lines N] [--gaps N] [--cuts N]
+    run.py [--previous] [--keep FOLDER] [--install-only] [--lines N] [--gaps N] [--cuts N]
     --previous builds the packages that are upgraded, when an earlier run has not left them; without it those of this commit under
     a lower version stand for them then, for on a computer without them that takes half an hour;
-    FOLDER keeps packages and root file system, to look at them, and is taken up again as it is; N lines made at random
-    are set up, 2 when it is not given; the adapter is gone N times more than it is anyhow, 4 when it is not given; the power
+    FOLDER keeps packages and root file system, to look at them, and is taken up again for the same commit; with --install-only
+    nothing is booted; N lines made at random are set up, 2 when it is not given; the adapter is gone N times more than it is anyhow, 4 when it is not given; the power
     is cut N times, 6 when it is not given
 
 CANSYNC_SEED in the environment: as for tests/kernel/run_machine.py.
@@ -162,7 +162,6 @@ def install(work):
         env=dict(os.environ, SOURCE_DATE_EPOCH=git("log", "-1", "--format=%ct")))
     run("bsdtar", "--format", "newc", "-cf", work / "root.part", f"@{work}/root.tar")
     (work / "root.tar").unlink()
-    (work / "root.part").rename(work / "root.cpio")
 
 
 def added(kernel, options):
@@ -184,9 +183,9 @@ class Boot:
 
     name = "boot of the packages"
 
-    def __init__(self, work, options):
+    def __init__(self, root, options):
         self.kernel = debian_kernel.fetch()
-        self.archives = [(work / "root.cpio").read_bytes(), added(self.kernel, options)]
+        self.archives = [root.read_bytes(), added(self.kernel, options)]
         self.began = time.monotonic()
 
     def show(self, line):
@@ -204,6 +203,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n", 1)[0])
     parser.add_argument("--previous", action="store_true", help="build the packages that are upgraded, when they are not kept")
     parser.add_argument("--keep", type=pathlib.Path, help="folder that keeps packages and root file system")
+    parser.add_argument("--install-only", action="store_true", help="end when the packages are installed, without a boot")
     parser.add_argument("--lines", type=int, help="lines made at random; 2 when it is not given")
     parser.add_argument("--gaps", type=int, help="times more that the adapter is gone; 4 when it is not given")
     parser.add_argument("--cuts", type=int, help="power cuts; 6 when it is not given")
@@ -215,9 +215,12 @@ def main():
         else:
             work = pathlib.Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="cansync_packages_")))
         work.chmod(0o755)
-        if not (work / "root.cpio").exists():
+        kept = f"root-{git('rev-parse', 'HEAD')}.cpio"
+        if not (work / kept).exists():
             for left in (work / name for name in ("new", "previous", "extra")):
                 shutil.rmtree(left, ignore_errors=True)
+            for left in work.glob("root*"):
+                left.unlink()
             with stage("build the packages of this commit; those before it"):
                 build(work, options.previous)
             # Neither uses what the other makes.
@@ -225,8 +228,11 @@ def main():
                 steps = [threads.submit(step, work) for step in (check, install)]
                 for step in steps:
                     step.result()
+            (work / "root.part").rename(work / kept)
+        if options.install_only:
+            return
         with stage("boot it and run the tests inside"):
-            code = machine.in_courses(Boot(work, options))
+            code = machine.in_courses(Boot(work / kept, options))
     if code is None:
         sys.exit(f"run.py: the machine ended without a result, or not within {LIMIT} s")
     sys.exit(code)

@@ -12,7 +12,8 @@ import time
 import unittest
 
 ROOT = pathlib.Path(__file__).parents[2]
-PACKAGES = "packages: build, lintian, install, boot, upgrade, purge"
+PACKAGES = "packages: build, lintian, install"
+MACHINES = "whole processes, real kernels, installed packages, in machines (dev)"
 
 # Writes a log as ctest does: 17 tests, the later the longer. FAILS is what fails, and how, when it is chosen so; of what is tried
 # alone ALONE is the exit status.
@@ -85,7 +86,7 @@ class EndOfToolsTest(unittest.TestCase):
         status, lines = self.run_tests("--all", FAILS="kernel")
         self.assertEqual(status, 14)
         self.assertIn("slowest of 34 tests", lines)
-        self.assertEqual(lines[-1], 'tools/test: FAILED in step "whole processes and real kernels, in machines (dev)" (exit code 14): a.thing, another')
+        self.assertEqual(lines[-1], 'tools/test: FAILED in step "' + MACHINES + '" (exit code 14): a.thing, another')
         self.assertFalse((self.folder / "alone").exists(), "what has a time of its own has one try")
 
     def test_what_fails_on_the_time_of_the_computer_is_tried_alone_at_the_end(self):
@@ -106,7 +107,7 @@ class EndOfToolsTest(unittest.TestCase):
                          "failed before, and not tried again: a.thing (dev), another (dev)")
 
     def test_a_machine_that_cannot_run_is_no_test_that_passed(self):
-        for tier, step in (((), "whole processes, one boot (dev)"), (("--all",), "whole processes and real kernels, in machines (dev)")):
+        for tier, step in (((), "whole processes, one boot (dev)"), (("--all",), MACHINES)):
             status, lines = self.run_tests(*tier, SKIPS="qemu-system-x86_64 is not installed")
             self.assertEqual(status, 10)
             self.assertEqual(lines[-1], f'tools/test: step could not start "{step}" (exit code 10): qemu-system-x86_64 is not installed')
