@@ -50,8 +50,8 @@ class Clients:
 class Daemon(Gateway):
     """cansyncd with reference values in every interval, so that each slave in turn answers with actual values."""
 
-    def __init__(self):
-        super().__init__(slaves=SLAVES)
+    def __init__(self, bit_rate=1000000):
+        super().__init__(slaves=SLAVES, bit_rate=bit_rate)
         self.writer = None
 
     def __enter__(self):

@@ -11,7 +11,7 @@ import signal
 import subprocess
 import unittest
 
-from gateway import CANSYNC, CANSYNCD, LONG, Gateway, end, wait_for
+from gateway import BIT_RATE, CANSYNC, CANSYNCD, LONG, Gateway, end, wait_for
 from names_test import PROFILE, PROFILES
 
 SPEED_LIMIT, FAULT_CODE = 401, 310
@@ -69,7 +69,7 @@ class EngineersHour(unittest.TestCase):
     def writes_the_configuration(self):
         with open(self.line.config, encoding="utf-8") as file:
             right = file.read()
-        self.checks(right.replace("bit_rate = 1000000", "bit_rate = 300000"), "bus.bit_rate: found 300000; allowed: ", code=78)
+        self.checks(right.replace(f"bit_rate = {BIT_RATE}", "bit_rate = 300000"), "bus.bit_rate: found 300000; allowed: ", code=78)
         self.checks(right.replace("interface =", "interfaze ="), "line.toml:4:1: bus.interfaze: no such option", code=78)
         self.checks(right.replace('"winder"', f'"{"w" * 1000}"'), "... (1002 bytes); allowed: ", code=78)
         self.checks(right, "in order", code=0)
@@ -181,7 +181,7 @@ class EngineersHour(unittest.TestCase):
         rows = lines()
         self.assertTrue(rows[0].startswith("time,seconds,receive_time_ns,interval,slave,name,position [mm]"), rows[0])
         self.types("control", "all", RESET)
-        self.types("timing", "--seconds", 1, says=("an interval takes 1 ms", "bus load"))
+        self.types("timing", "--seconds", 1, says=("an interval takes 8 ms", "bus load"))
         self.types("events", "--level", "warning", "--since", "1h")
         self.types("events", "--code", "state_changed", says="to 'run' on 'run'")
 

@@ -133,6 +133,7 @@ class Restart(FailsafeTest):
 
 
 class Hold(FailsafeTest):
+    BIT_RATE = 1000000
     EXTRA = '[failsafe]\nreaction = "hold"\nhold_intervals = 5000\nreference_max_intervals = 400\n'
 
     def test_the_last_values_are_held_for_a_while(self):

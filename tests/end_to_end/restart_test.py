@@ -10,7 +10,7 @@ import tempfile
 import time
 import unittest
 
-from gateway import CANSYNCD, LONG, Gateway, wait_for
+from gateway import BIT_RATE, CANSYNCD, LONG, Gateway, wait_for
 
 STARTED_ANEW = "the daemon was started anew"
 EXTRA = "[process]\npoll_without_reference = true\n"  # there is something to record without a writer
@@ -125,11 +125,11 @@ class Restart(unittest.TestCase):
     def test_a_reload_sets_a_line_up_anew_that_is_not_active(self):
         events = self.follow("events", "--follow")
         wait_for("it has begun", events.wrote)
-        self.reload(("bit_rate = 1000000", "bit_rate = 500000"), ("number = 2\n", "number = 9\n"))
+        self.reload((f"bit_rate = {BIT_RATE}", "bit_rate = 500000"), ("number = 2\n", "number = 9\n"))
         refused = "not changed: slave.9.number takes effect when the line is set up anew, and it is in run"
         wait_for("it is not changed while it is active", lambda: refused in self.gateway.log_text())
         wait_for("who follows hears why", lambda: "not changed before the line is set up anew" in events.wrote())
-        self.assertEqual(self.gateway.status()["bit_rate"], 1000000)
+        self.assertEqual(self.gateway.status()["bit_rate"], BIT_RATE)
         self.assertEqual(self.gateway.status()["slaves_configured"], 0b1111)
 
         self.assertEqual(self.gateway.run("mode", "stop").returncode, 0)

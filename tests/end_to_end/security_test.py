@@ -11,7 +11,7 @@ import tempfile
 import unittest
 
 sys.path.insert(0, os.path.dirname(__file__))
-from gateway import Gateway, LONG  # noqa: E402
+from gateway import LONG, Gateway, Place, identities  # noqa: E402
 
 SCRIPT = os.path.join(os.path.dirname(__file__), "..", "..", "tools", "security", "cansync-security")
 NOT_REACHABLE = 6
@@ -48,10 +48,7 @@ class Security(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.mkdtemp(prefix="cansync_security_")
-        cls.ca = os.path.join(cls.folder, "ca")
-        made("init", cls.ca)
-        for role in ("daemon", "viewer", "operator", "engineer"):
-            made("add", cls.ca, role, "--role", role)
+        cls.ca = identities(cls.folder)
         cls.gateway = SecuredGateway(cls.ca)
         cls.gateway.__enter__()
 
@@ -202,11 +199,12 @@ class Files(unittest.TestCase):
         made("init", self.ca)
         made("add", self.ca, "viewer", "--role", "viewer", "--bus", "can7")
         self.me = os.path.join(self.ca, "viewer")
+        self.nobody = Place()
 
     def complaint(self, folder=None, bus="can7"):
         """What `cansync` says before it looks for a daemon."""
         result = subprocess.run(
-            [os.environ["CANSYNC"], "--security", folder or self.me, "--bus", bus, "--timeout", "1", "status"],
+            [os.environ["CANSYNC"], "--security", folder or self.me, "--bus", bus, "--timeout", "1", "status"], env=self.nobody.environment,
             capture_output=True, text=True, timeout=LONG, check=False)
         self.assertEqual(result.returncode, NOT_REACHABLE)
         return result.stderr

@@ -19,7 +19,7 @@ class Slaves(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.gateway = Gateway(slaves=3)
+        cls.gateway = Gateway(slaves=3, bit_rate=1000000)  # when it is unplugged stands in intervals
         faults = os.path.join(cls.gateway.folder.name, "faults.toml")
         with open(faults, "w", encoding="utf-8") as file:
             for turn in range(1, 60):

@@ -7,7 +7,7 @@ import subprocess
 import tempfile
 import unittest
 
-from gateway import CANSYNCD, LONG, Gateway, Place, end, wait_for
+from gateway import BIT_RATE, CANSYNCD, LONG, Gateway, Place, end, wait_for
 
 # Parameters of a simulated drive.
 DEVICE_TYPE, CONTROL_WORD, LAST_ACTION = 100, 300, 330
@@ -19,7 +19,7 @@ DATA = 0x100  # first start address of a drive's memory
 
 class VerbTest(unittest.TestCase):
     SLAVES = 4
-    BIT_RATE = 1000000
+    BIT_RATE = BIT_RATE
     EXTRA = ""  # further configuration
     OPTIONS = ()  # of cansyncd
 

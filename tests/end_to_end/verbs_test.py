@@ -9,7 +9,7 @@ import time
 import unittest
 from xml.etree import ElementTree
 
-from gateway import ACTIVE, LONG, Gateway, Place, wait_for
+from gateway import ACTIVE, BIT_RATE, LONG, Gateway, Place, wait_for
 from verb_case import ALWAYS_BUSY, BUSY, BUSY_REPLIES, CONTROL_WORD, DEVICE_TYPE, LAST_ACTION, WORD, VerbTest
 
 
@@ -17,8 +17,8 @@ class Looking(VerbTest):
     def test_status(self):
         status = self.one("status")
         self.assertEqual(status["bus"], self.gateway.bus)
-        self.assertEqual(status["bit_rate"], 1000000)
-        self.assertEqual(status["interval_length_ns"], 1000000)
+        self.assertEqual(status["bit_rate"], BIT_RATE)
+        self.assertEqual(status["interval_length_ns"], 10**12 // BIT_RATE)
         self.assertEqual(status["slaves_configured"], 0xF)
         self.assertEqual(status["reference_value"][0], {"name": "target", "unit_symbol": "mm", "factor": 0.001, "offset": 0,
                                                         "width": 32, "is_signed": True})
@@ -84,6 +84,8 @@ class Looking(VerbTest):
 
 class Timing(VerbTest):
     """Lateness and slots of a line with reference values on it."""
+
+    BIT_RATE = 1000000
 
     @classmethod
     def setUpClass(cls):
@@ -329,7 +331,7 @@ class Trace(unittest.TestCase):
     def test_a_read_is_found_in_the_trace_of_the_line(self):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "line.log")
-            with Gateway(options=("--trace", path)) as gateway:
+            with Gateway(bit_rate=1000000, options=("--trace", path)) as gateway:
                 self.assertEqual(gateway.run("write", 2, WORD, 4711, "--format", "word").returncode, 0)
                 self.assertEqual(gateway.json("read", 2, WORD)[0]["value"], 4711)
             found = gateway.json("trace", path, "--slave", 2)

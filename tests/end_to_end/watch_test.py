@@ -35,11 +35,11 @@ class WatchTest(VerbTest):
 class Keys(WatchTest):
     def test_shows_the_line_and_restores_the_terminal(self):
         with self.watch() as terminal:
-            text = terminal.wait("slaves, load and events", lambda text: "LAST EVENTS" in text and "% of 1000" in text
+            text = terminal.wait("slaves, load and events", lambda text: "LAST EVENTS" in text and "% of 125" in text
                                  and len(self.slaves(text)) == self.SLAVES and "all_synchronized" in text
                                  and re.search("winder .* mm ", text) and text)
             self.assertIn(f"bus {self.gateway.bus}: run", text)
-            for part in ("SYNC 1 ms", "p99.9", "missed", "value 0", "AGE ms"):
+            for part in ("SYNC 8 ms", "p99.9", "missed", "value 0", "AGE ms"):
                 self.assertIn(part, text)
             self.assertRegex(text, r"1  winder +released +0x[0-9A-F]{4}")
             terminal.press("q")

@@ -35,7 +35,7 @@ class FastDdsTest(unittest.TestCase):
 class FinalTypes(FastDdsTest):
     @classmethod
     def setUpClass(cls):
-        cls.gateway = Gateway(slaves=SLAVES, options=["--set", "dds.types=final", *NEVER_MISSING_REFERENCES],
+        cls.gateway = Gateway(slaves=SLAVES, bit_rate=1000000, options=["--set", "dds.types=final", *NEVER_MISSING_REFERENCES],
                               extra="[process]\npoll_without_reference = true\n")
         cls.gateway.environment.update(CANSYNC_TYPES="final", FASTRTPS_DEFAULT_PROFILES_FILE=PROFILE)
         cls.enterClassContext(cls.gateway)

@@ -10,7 +10,7 @@ import unittest
 
 from line import LONG, Line, cansync
 
-from gateway import end
+from gateway import BIT_RATE, end
 
 
 class OnALine(unittest.TestCase):
@@ -55,7 +55,7 @@ class State(OnALine):
         self.assertEqual((gateway.bus, gateway.protocol, len(gateway.daemon)), (self.gateway.bus, "cansync-master", 16))
         self.assertEqual(gateway.process, self.gateway.process.pid)
         bus = self.line.status(cansync.BusStatus)
-        self.assertEqual((bus.bus_interface, bus.bit_rate), ("sim", 1000000))
+        self.assertEqual((bus.bus_interface, bus.bit_rate), ("sim", BIT_RATE))
         self.assertIs(self.line.status(cansync.RealtimeStatus).realtime_enforced, False)
         self.error(cansync.Invalid, cansync.Code.INVALID, "topic", self.line.status, cansync.Event)
         self.error(cansync.Invalid, cansync.Code.INVALID, "no topic", self.line.status, int)
