@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "j1939/codec.h"
+
 namespace j1939 {
 
 void ClaimTable::claimed(Address address, Name name) noexcept {
@@ -18,6 +20,11 @@ void ClaimTable::claimed(Address address, Name name) noexcept {
   if (changed) ++revision_;
 }
 
+void ClaimTable::clear() noexcept {
+  names_ = {};
+  ++revision_;
+}
+
 std::optional<Name> ClaimTable::at(Address address) const noexcept {
   return address < kAddresses ? names_[address] : std::nullopt;
 }
@@ -25,8 +32,7 @@ std::optional<Name> ClaimTable::at(Address address) const noexcept {
 namespace {
 
 can::Frame request_for_all() noexcept {
-  return frame_of(identifier_of(pgn::kRequest, 6, kGlobalAddress, kNullAddress),
-                  std::array<std::uint8_t, 3>{0x00, 0xEE, 0x00});
+  return request_frame(pgn::kAddressClaimed, kNullAddress, kGlobalAddress);
 }
 
 }  // namespace
@@ -36,11 +42,18 @@ void AddressClaim::start(Time now) noexcept {
   if (!settings_.preferred) return;  // who listens sends nothing
   ask_ = true;
   name_twice_ = false;
-  claim(address_ <= 253 ? address_ : *settings_.preferred);
-  if (settings_.ask_time <= Time{0}) return;
-  asking_ = true;
+  const Address own = address_ <= 253 ? address_ : *settings_.preferred;
+  if (settings_.ask_time <= Time{0}) return claim(own);
+  enter(ClaimEvent::ask);
+  table_.clear();  // those who are there answer
+  address_ = own;
   asked_until_ = Time::max();
   say_ = false;
+}
+
+void AddressClaim::enter(ClaimEvent event) noexcept {
+  state_ = next(state_, event).value_or(state_);
+  claimed_at_ = Time::max();
 }
 
 bool AddressClaim::own_name_heard() const noexcept {
@@ -60,10 +73,8 @@ void AddressClaim::claim_what_is_free(Time now) noexcept {
 }
 
 void AddressClaim::claim(Address address) noexcept {
+  enter(ClaimEvent::claim);
   address_ = address;
-  asking_ = false;
-  state_ = ClaimState::claiming;
-  claimed_at_ = Time::max();
   say_ = true;
   say_not_before_ = now_;
 }
@@ -76,10 +87,8 @@ Time AddressClaim::answer_delay() const noexcept {
 }
 
 void AddressClaim::give_up(Time now) noexcept {
-  asking_ = false;
-  state_ = ClaimState::cannot_claim;
+  enter(ClaimEvent::none_left);
   address_ = kNullAddress;
-  claimed_at_ = Time::max();
   say_ = true;
   say_not_before_ = now + answer_delay();
 }
@@ -121,7 +130,7 @@ void AddressClaim::claim_received(Address source, Name name, Time now) noexcept 
 }
 
 void AddressClaim::claim_requested(Time now) noexcept {
-  if (state_ == ClaimState::listening || asking_ || say_) return;
+  if (state_ == ClaimState::listening || state_ == ClaimState::asking || say_) return;
   say_ = true;
   say_not_before_ = now + (state_ == ClaimState::cannot_claim ? answer_delay() : Time{0});
 }
@@ -143,17 +152,11 @@ void AddressClaim::own_address_used(Time now) noexcept {
   say_not_before_ = now;
 }
 
-can::Frame AddressClaim::claim_frame() const noexcept {
-  std::array<std::uint8_t, 8> bytes = {};
-  for (unsigned i = 0; i < 8; ++i) bytes[i] = static_cast<std::uint8_t>(settings_.name >> 8 * i);
-  return frame_of(identifier_of(pgn::kAddressClaimed, 6, kGlobalAddress, address_), bytes);
-}
-
 std::optional<can::Frame> AddressClaim::next_frame() const noexcept {
   if (ask_) {
     return request_for_all();
   }
-  if (say_ && say_not_before_ <= now_) return claim_frame();
+  if (say_ && say_not_before_ <= now_) return claim_frame(settings_.name, address_);
   return std::nullopt;
 }
 
@@ -166,34 +169,33 @@ void AddressClaim::handed_over() noexcept {
 }
 
 void AddressClaim::sent(const can::Frame& frame, Time end) noexcept {
-  if (asking_ && asked_until_ == Time::max() && frame == request_for_all())
+  if (state_ == ClaimState::asking && asked_until_ == Time::max() && frame == request_for_all())
     asked_until_ = end + settings_.ask_time;
-  if (asking_) return;
-  if (state_ != ClaimState::claiming || claimed_at_ != Time::max() || frame != claim_frame()) return;
+  if (state_ != ClaimState::claiming || claimed_at_ != Time::max() ||
+      frame != claim_frame(settings_.name, address_))
+    return;
   claimed_at_ = end + kClaimTime;
 }
 
 void AddressClaim::unseen(const can::Frame& frame) noexcept {
-  if (asking_ && asked_until_ == Time::max() && frame == request_for_all()) ask_ = true;
-  if (asking_) return;
-  if (state_ != ClaimState::claiming || claimed_at_ != Time::max() || frame != claim_frame()) return;
+  if (state_ == ClaimState::asking && asked_until_ == Time::max() && frame == request_for_all()) ask_ = true;
+  if (state_ != ClaimState::claiming || claimed_at_ != Time::max() ||
+      frame != claim_frame(settings_.name, address_))
+    return;
   say_ = true;
   say_not_before_ = now_;
 }
 
 void AddressClaim::advance(Time now) noexcept {
   now_ = now;
-  if (asking_ && asked_until_ <= now) claim_what_is_free(now);
-  if (state_ == ClaimState::claiming && claimed_at_ <= now) {
-    state_ = ClaimState::claimed;
-    claimed_at_ = Time::max();
-  }
+  if (state_ == ClaimState::asking && asked_until_ <= now) claim_what_is_free(now);
+  if (state_ == ClaimState::claiming && claimed_at_ <= now) enter(ClaimEvent::undisturbed);
 }
 
 Time AddressClaim::next_deadline() const noexcept {
   Time next = Time::max();
   if (state_ == ClaimState::claiming && claimed_at_ > now_) next = claimed_at_;
-  if (asking_) next = asked_until_;
+  if (state_ == ClaimState::asking) next = asked_until_;
   if (say_ && say_not_before_ > now_) next = std::min(next, say_not_before_);
   return next;
 }
@@ -203,7 +205,7 @@ std::optional<Address> AddressClaim::address() const noexcept {
 }
 
 std::optional<Address> AddressClaim::wanted() const noexcept {
-  const bool has = (state_ == ClaimState::claiming && !asking_) || state_ == ClaimState::claimed;
+  const bool has = state_ == ClaimState::claiming || state_ == ClaimState::claimed;
   return has ? std::optional(address_) : std::nullopt;
 }
 

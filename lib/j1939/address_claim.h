@@ -5,19 +5,11 @@
 #include <optional>
 
 #include "can/frame.h"
+#include "j1939/claim_state.h"
 #include "j1939/identifier.h"
 #include "j1939/name.h"
 
 namespace j1939 {
-
-/// How far a controller application has got with its address.
-enum class ClaimState : std::uint8_t {
-  listening,  ///< was given no address: receives only
-  claiming,   ///< the answers to its request are waited for, its claim is to be sent, or was sent less than
-              ///< 250 ms ago
-  claimed,    ///< has its address
-  cannot_claim,  ///< lost its address and found no other: may send nothing but that
-};
 
 /// What a controller application is called, and which addresses it may take.
 struct ClaimSettings {
@@ -39,6 +31,8 @@ class ClaimTable {
 
   /// Somebody of this NAME claims `address`; what it had before is free. An address over 253 frees alone.
   void claimed(Address address, Name name) noexcept;
+  /// What was heard so far counts no more.
+  void clear() noexcept;
   /// The NAME that claimed the address last; nothing: none was heard.
   std::optional<Name> at(Address address) const noexcept;
   /// Rises with each change.
@@ -63,7 +57,7 @@ class AddressClaim {
   explicit AddressClaim(const ClaimSettings& settings) noexcept : settings_(settings) {}
 
   /// Asks all for their addresses and claims its own after `ClaimSettings::ask_time`; again, when the
-  /// controller forgot what it was given.
+  /// controller forgot what it was given: who does not answer then has no address any more.
   void start(Time now) noexcept;
 
   /// Another claims `source` (or says with kNullAddress that it has none).
@@ -105,12 +99,12 @@ class AddressClaim {
   const ClaimTable& table() const noexcept { return table_; }
 
  private:
+  void enter(ClaimEvent event) noexcept;
   void claim(Address address) noexcept;
   void claim_what_is_free(Time now) noexcept;
   bool own_name_heard() const noexcept;
   void give_up(Time now) noexcept;
   std::optional<Address> another() const noexcept;
-  can::Frame claim_frame() const noexcept;
   Time answer_delay() const noexcept;
 
   ClaimSettings settings_;
@@ -118,7 +112,6 @@ class AddressClaim {
   ClaimState state_ = ClaimState::listening;
   Address address_ = kNullAddress;
   bool ask_ = false;                ///< the request for all addresses is to be sent
-  bool asking_ = false;             ///< its own claim waits for the answers
   Time asked_until_ = Time::max();  ///< asking, and the request was on the bus: end of `ask_time`
   bool say_ = false;                ///< the claim, or that it cannot, is to be sent
   Time say_not_before_{};           ///< of `say_`

@@ -13,6 +13,9 @@ struct NodeCounters {
   std::uint64_t sent = 0;        ///< own frames that stood on the bus
   std::uint64_t unanswered = 0;  ///< orders that ended with refused, aborted or no_answer
   std::uint64_t not_sent = 0;    ///< orders that ended without being sent
+  // For this node or all, and not understood: claims, commands, requests, acknowledgements, and what speaks of packets.
+  std::uint64_t wrong_length = 0;  ///< not as many bytes as their group has
+  std::uint64_t unknown = 0;       ///< a first byte that their group does not know
 };
 
 }  // namespace j1939

@@ -7,15 +7,8 @@
 namespace j1939 {
 namespace {
 
-/// The highest control byte of an acknowledgement (PGN 59392): cannot respond now.
-constexpr std::uint8_t kLastAcknowledgement = 3;
-
 constexpr bool tells_of_faults(Pgn number) noexcept {
   return number == pgn::kActiveFaults || number == pgn::kPreviousFaults;
-}
-
-constexpr Pgn pgn_at(std::span<const std::uint8_t> data, std::size_t at) noexcept {
-  return Pgn{data[at]} | Pgn{data[at + 1]} << 8 | Pgn{data[at + 2]} << 16;
 }
 
 }  // namespace
@@ -57,7 +50,12 @@ std::optional<Node::Delivery> Node::receive_frame(const can::Frame& frame, const
   if (number != pgn::kAddressClaimed && claim_.wanted() && from.source == *claim_.wanted())
     claim_.own_address_used(end);
   if (number == pgn::kTransportControl || number == pgn::kExtendedTransportControl) {
-    if (for_us && from.source < kNullAddress && frame.dlc == 8) transport_control(frame, from, end);
+    if (!for_us || from.source >= kNullAddress) return std::nullopt;
+    if (const auto said = transport_control_in(frame)) {
+      transport_control(*said, from, end);
+    } else {
+      ++(frame.dlc != 8 ? counters_.wrong_length : counters_.unknown);
+    }
     return std::nullopt;
   }
   if (number == pgn::kTransportData || number == pgn::kExtendedTransportData) {
@@ -76,66 +74,36 @@ bool Node::wanted(Pgn number, Address source) const noexcept {
          settings_.filter.match(number, source) || outbox_.requested().waits_for(number, source);
 }
 
-void Node::transport_control(const can::Frame& frame, const Identifier& from, Time end) noexcept {
-  const bool broadcast = destination_of(from) == kGlobalAddress;
-  const bool extended = pgn_of(from) == pgn::kExtendedTransportControl;
-  const auto control = static_cast<Control>(frame.data[0]);
-  if (broadcast) {
+void Node::transport_control(const TransportControl& said, const Identifier& from, Time end) noexcept {
+  if (destination_of(from) == kGlobalAddress) {
     // Only what somebody wants takes a place.
-    if (!extended && control == Control::bam && wanted(pgn_in(frame), from.source))
-      receiver_.announce(from, frame, end);
+    const auto* announced = std::get_if<Announcement>(&said.what);
+    if (announced != nullptr && wanted(said.number, from.source))
+      receiver_.announce(from, said.number, *announced, end);
     return;
   }
-  if (extended) return extended_control(frame, from, end);
-  switch (control) {
-    case Control::rts:
-      if (may_begin(frame, from, pgn::kTransportControl))
-        receiver_.request(from, frame, *claim_.address(), end);
-      break;
-    case Control::cts:
-      outbox_.packets().clear_to_send(from.source, frame, end);
-      break;
-    case Control::acknowledged:
-      outbox_.packets().acknowledged(from.source, frame, false, end);
-      break;
-    case Control::abort:
-      outbox_.packets().aborted(from.source, frame, false);
-      receiver_.aborted(from.source, pgn_in(frame), false);
-      break;
-    default:
-      break;
-  }
-}
-
-void Node::extended_control(const can::Frame& frame, const Identifier& from, Time end) noexcept {
-  switch (static_cast<Control>(frame.data[0])) {
-    case Control::extended_rts:
-      if (may_begin(frame, from, pgn::kExtendedTransportControl))
-        receiver_.request_extended(from, frame, *claim_.address(), end);
-      break;
-    case Control::extended_offset:
-      receiver_.offset(from, frame, end);
-      break;
-    case Control::extended_cts:
-      outbox_.packets().extended_clear_to_send(from.source, frame, end);
-      break;
-    case Control::extended_acknowledged:
-      outbox_.packets().acknowledged(from.source, frame, true, end);
-      break;
-    case Control::abort:
-      outbox_.packets().aborted(from.source, frame, true);
-      receiver_.aborted(from.source, pgn_in(frame), true);
-      break;
-    default:
-      break;
+  TransportSender& sender = outbox_.packets();
+  if (const auto* request = std::get_if<RequestToSend>(&said.what)) {
+    if (may_begin(said, from.source))
+      receiver_.request(from, said.number, *request, said.extended, *claim_.address(), end);
+  } else if (const auto* clear = std::get_if<ClearToSend>(&said.what)) {
+    sender.clear_to_send(from.source, said.number, *clear, said.extended, end);
+  } else if (const auto* offset = std::get_if<DataOffset>(&said.what)) {
+    receiver_.offset(from.source, said.number, *offset, end);
+  } else if (std::holds_alternative<EndOfMessage>(said.what)) {
+    sender.acknowledged(from.source, said.number, said.extended, end);
+  } else if (const auto* abort = std::get_if<Abort>(&said.what)) {
+    sender.aborted(from.source, said.number, *abort, said.extended);
+    receiver_.aborted(from.source, said.number, said.extended);
   }
 }
 
 /// Somebody here takes what a connection is asked for; who asks is told when not.
-bool Node::may_begin(const can::Frame& frame, const Identifier& from, Pgn by) noexcept {
+bool Node::may_begin(const TransportControl& said, Address source) noexcept {
   if (!claim_.address()) return false;
-  if (wanted(pgn_in(frame), from.source)) return true;
-  replies_.push(abort_frame(*claim_.address(), from.source, pgn_in(frame), AbortReason::no_resources, by));
+  if (wanted(said.number, source)) return true;
+  replies_.push(
+      frame_of({said.extended, said.number, Abort{AbortReason::no_resources}}, *claim_.address(), source));
   return false;
 }
 
@@ -153,17 +121,32 @@ void Node::take(const Message& message) noexcept {
   ++counters_.messages;
   switch (message.number) {
     case pgn::kAddressClaimed:
-      if (message.data.size() == 8) claim_.claim_received(message.source, name_of(message.data), message.end);
+      if (const auto name = claimed_name_in(message.data)) {
+        claim_.claim_received(message.source, *name, message.end);
+      } else {
+        ++counters_.wrong_length;
+      }
       break;
     case pgn::kCommandedAddress:
-      if (message.data.size() == 9)
-        (void)claim_.commanded(name_of(message.data), message.data[8], message.end);
+      if (const auto command = commanded_address_in(message.data)) {
+        (void)claim_.commanded(command->name, command->address, message.end);
+      } else {
+        ++counters_.wrong_length;
+      }
       break;
     case pgn::kRequest:
-      if (message.data.size() >= 3) take_request(message);
+      if (const auto number = requested_in(message.data)) {
+        take_request(message, *number);
+      } else {
+        ++counters_.wrong_length;
+      }
       break;
     case pgn::kAcknowledgement:
-      if (message.data.size() == 8) take_acknowledgement(message);
+      if (const auto said = acknowledgement_in(message.data)) {
+        take_acknowledgement(message, *said);
+      } else {
+        ++(message.data.size() != 8 ? counters_.wrong_length : counters_.unknown);
+      }
       break;
     default:
       break;
@@ -171,8 +154,7 @@ void Node::take(const Message& message) noexcept {
   outbox_.requested().answered(message);
 }
 
-void Node::take_request(const Message& message) noexcept {
-  const Pgn number = pgn_at(message.data, 0);
+void Node::take_request(const Message& message, Pgn number) noexcept {
   if (number == pgn::kAddressClaimed) {
     claim_.claim_requested(message.end);
   } else {
@@ -180,13 +162,10 @@ void Node::take_request(const Message& message) noexcept {
   }
 }
 
-void Node::take_acknowledgement(const Message& message) noexcept {
-  const std::uint8_t control = message.data[0];
-  const Address whose = message.data[4];
-  if (control > kLastAcknowledgement) return;
+void Node::take_acknowledgement(const Message& message, const Acknowledgement& said) noexcept {
   // Of old nodes, which leave the address out, it is that of the destination or all ones.
-  if (whose != kGlobalAddress && (!claim_.wanted() || whose != *claim_.wanted())) return;
-  outbox_.requested().acknowledged(message, pgn_at(message.data, 5), control);
+  if (said.whose != kGlobalAddress && (!claim_.wanted() || said.whose != *claim_.wanted())) return;
+  outbox_.requested().acknowledged(message, said);
 }
 
 Refusal Node::submit(const Order& order, Time now) noexcept {

@@ -7,6 +7,7 @@
 
 #include "can/frame.h"
 #include "j1939/address_claim.h"
+#include "j1939/codec.h"
 #include "j1939/counters.h"
 #include "j1939/message.h"
 #include "j1939/order.h"
@@ -105,13 +106,12 @@ class Node {
   std::optional<Delivery> receive_frame(const can::Frame& frame, const Identifier& from, Time end) noexcept;
   /// Somebody here takes such a long message of `source`; others get no session.
   bool wanted(Pgn number, Address source) const noexcept;
-  void transport_control(const can::Frame& frame, const Identifier& from, Time end) noexcept;
-  void extended_control(const can::Frame& frame, const Identifier& from, Time end) noexcept;
-  bool may_begin(const can::Frame& frame, const Identifier& from, Pgn by) noexcept;
+  void transport_control(const TransportControl& said, const Identifier& from, Time end) noexcept;
+  bool may_begin(const TransportControl& said, Address source) noexcept;
   std::optional<Delivery> deliver(const Message& message) noexcept;
   void take(const Message& message) noexcept;
-  void take_request(const Message& message) noexcept;
-  void take_acknowledgement(const Message& message) noexcept;
+  void take_request(const Message& message, Pgn number) noexcept;
+  void take_acknowledgement(const Message& message, const Acknowledgement& said) noexcept;
   void follow_address() noexcept;
 
   NodeSettings settings_;  ///< but for what is provided

@@ -1,5 +1,6 @@
 #include "j1939/outbox.h"
 
+#include "j1939/codec.h"
 #include "j1939/message.h"
 
 namespace j1939 {
@@ -26,14 +27,10 @@ bool wants_claims_of_all(const Order& order) noexcept {
 }
 
 can::Frame frame_for(const Order& order, Address source) noexcept {
+  if (order.kind == OrderKind::request)
+    return request_frame(order.number, source, order.destination, order.priority);
   can::Frame frame;
   frame.extended = true;
-  if (order.kind == OrderKind::request) {
-    frame.id = compose(identifier_of(pgn::kRequest, order.priority, order.destination, source));
-    frame.dlc = 3;
-    for (unsigned i = 0; i < 3; ++i) frame.data[i] = static_cast<std::uint8_t>(order.number >> 8 * i);
-    return frame;
-  }
   frame.id = compose(identifier_of(order.number, order.priority, order.destination, source));
   frame.dlc = static_cast<std::uint8_t>(order.memory.size());
   std::copy(order.memory.begin(), order.memory.end(), frame.data.begin());
@@ -347,7 +344,8 @@ void Outbox::advance_waiting() noexcept {
       ++i;
       continue;
     }
-    const bool claiming = claim_.state() == ClaimState::claiming && obstacle_ == Obstacle::none;
+    const bool on_the_way = claim_.state() == ClaimState::asking || claim_.state() == ClaimState::claiming;
+    const bool claiming = on_the_way && obstacle_ == Obstacle::none;
     answers_.end(waiting_[i].order, JobKnown::not_sent, JobEnd::time,
                  {.obstacle = obstacle_, .claiming = claiming});
     waiting_.erase(i);

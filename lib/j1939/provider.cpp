@@ -5,14 +5,6 @@
 #include <utility>
 
 namespace j1939 {
-namespace {
-
-/// Control bytes of an acknowledgement (PGN 59392).
-constexpr std::uint8_t kNegative = 1;
-constexpr std::uint8_t kCannotRespond = 3;
-
-}  // namespace
-
 Provider::Provider(std::vector<Provided> provided, const AddressClaim& claim, FrameQueue& replies,
                    Outbox& outbox)
     : provided_(std::move(provided)),
@@ -25,12 +17,12 @@ void Provider::requested(const Message& request, Pgn number) noexcept {
   if (!claim_.address() || request.source >= kNullAddress) return;
   const auto found = std::find_if(provided_.begin(), provided_.end(),
                                   [number](const Provided& each) { return each.number == number; });
-  if (found == provided_.end()) return acknowledge(request, number, kNegative);
+  if (found == provided_.end()) return acknowledge(request, number, Acknowledgement::Kind::negative);
   if (found->data.empty()) return;
   const bool for_all = request.destination == kGlobalAddress;
   if (send(*found, for_all ? kGlobalAddress : request.source, false) != Outbox::OwnMessage::full) return;
   unanswered_ += for_all;
-  acknowledge(request, number, kCannotRespond);
+  acknowledge(request, number, Acknowledgement::Kind::cannot_respond);
 }
 
 /// `by_itself`: while the one before waits, another is not sent.
@@ -74,13 +66,9 @@ Time Provider::next_deadline(Time now) const noexcept {
 }
 
 /// Requests to all are never answered so: every node would.
-void Provider::acknowledge(const Message& request, Pgn number, std::uint8_t control) noexcept {
-  if (request.destination == kGlobalAddress) return;
-  replies_.push(frame_of(
-      identifier_of(pgn::kAcknowledgement, 6, kGlobalAddress, *claim_.address()),
-      std::array<std::uint8_t, 8>{control, 0xFF, 0xFF, 0xFF, request.source,
-                                  static_cast<std::uint8_t>(number), static_cast<std::uint8_t>(number >> 8),
-                                  static_cast<std::uint8_t>(number >> 16)}));
+void Provider::acknowledge(const Message& request, Pgn number, Acknowledgement::Kind kind) noexcept {
+  if (request.destination != kGlobalAddress)
+    replies_.push(frame_of(Acknowledgement{kind, request.source, number}, *claim_.address()));
 }
 
 }  // namespace j1939

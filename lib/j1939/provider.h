@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "j1939/address_claim.h"
+#include "j1939/codec.h"
 #include "j1939/message.h"
 #include "j1939/outbox.h"
 #include "j1939/transport.h"
@@ -43,7 +44,7 @@ class Provider {
 
  private:
   Outbox::OwnMessage send(const Provided& provided, Address to, bool by_itself) noexcept;
-  void acknowledge(const Message& request, Pgn number, std::uint8_t control) noexcept;
+  void acknowledge(const Message& request, Pgn number, Acknowledgement::Kind kind) noexcept;
 
   std::vector<Provided> provided_;
   std::vector<Time> due_;  ///< of each; Time::max(): no address was held yet

@@ -5,9 +5,6 @@
 namespace j1939 {
 namespace {
 
-/// Control byte of an acknowledgement (PGN 59392).
-constexpr std::uint8_t kPositive = 0;
-
 bool is_for(const Order& order, Pgn number, Address source) noexcept {
   return order.number == number && order.destination == source;
 }
@@ -42,10 +39,10 @@ void Requested::answered(const Message& message) noexcept {
   });
 }
 
-void Requested::acknowledged(const Message& message, Pgn number, std::uint8_t control) noexcept {
-  end_where(number, message.source, [&](const Order& order) {
-    answers_.end(order, control == kPositive ? Outcome::done : Outcome::refused,
-                 {.sent = message.end, .code = control});
+void Requested::acknowledged(const Message& message, const Acknowledgement& said) noexcept {
+  const auto outcome = said.kind == Acknowledgement::Kind::positive ? Outcome::done : Outcome::refused;
+  end_where(said.number, message.source, [&](const Order& order) {
+    answers_.end(order, outcome, {.sent = message.end, .code = static_cast<std::uint8_t>(said.kind)});
   });
 }
 

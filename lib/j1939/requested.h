@@ -5,6 +5,7 @@
 
 #include "can/bounded_list.h"
 #include "j1939/answers.h"
+#include "j1939/codec.h"
 #include "j1939/message.h"
 #include "j1939/order.h"
 #include "j1939/transport_receiver.h"
@@ -30,8 +31,8 @@ class Requested {
   bool waits_for(Pgn number, Address source) const noexcept;
   /// A message came: it is the answer to all that wait for it.
   void answered(const Message& message) noexcept;
-  /// The node `message.source` acknowledged a request for `number` with this control byte of PGN 59392.
-  void acknowledged(const Message& message, Pgn number, std::uint8_t control) noexcept;
+  /// The node `message.source` acknowledged a request.
+  void acknowledged(const Message& message, const Acknowledgement& said) noexcept;
   /// Waits for the answer of one no more; its request was on the bus. False: there is none.
   bool cancel(OrderId id) noexcept;
   /// Ends every one for this reason.

@@ -5,18 +5,9 @@
 namespace j1939 {
 namespace {
 
-constexpr std::uint16_t size_in(const can::Frame& frame) noexcept {
-  return static_cast<std::uint16_t>(frame.data[1] | frame.data[2] << 8);
-}
-
 /// 9..1785 bytes in as many packets as they need: less fits one frame and is no message of packets.
-constexpr bool is_announcement(const can::Frame& frame) noexcept {
-  const std::size_t size = size_in(frame);
-  return size > 8 && size <= kMostBytes && frame.data[3] == packets_of(size) && is_pgn(pgn_in(frame));
-}
-
-constexpr Pgn control_of(bool extended) noexcept {
-  return extended ? pgn::kExtendedTransportControl : pgn::kTransportControl;
+constexpr bool is_in_packets(Pgn number, std::uint32_t size, std::uint32_t packets) noexcept {
+  return size > 8 && size <= kMostBytes && packets == packets_of(size) && is_pgn(number);
 }
 
 }  // namespace
@@ -29,7 +20,7 @@ TransportReceiver::TransportReceiver(std::uint8_t window, std::size_t most, Fram
 
 TransportReceiver::Session* TransportReceiver::find(Address source, Kind kind) noexcept {
   for (Session& session : sessions_) {
-    if (session.used && session.source == source && session.kind == kind) return &session;
+    if (session.used() && session.source == source && session.kind == kind) return &session;
   }
   return nullptr;
 }
@@ -39,7 +30,7 @@ std::span<std::uint8_t> TransportReceiver::free_memory() noexcept {
   for (std::size_t at = 0; at < extended_memory_.size(); at += most_) {
     std::uint8_t* const place = extended_memory_.data() + at;
     const bool taken = std::any_of(sessions_.begin(), sessions_.end(), [&](const Session& session) {
-      return session.used && session.data.data() == place;
+      return session.used() && session.data.data() == place;
     });
     if (!taken) return {place, most_};
   }
@@ -53,9 +44,9 @@ TransportReceiver::Session* TransportReceiver::begin(const Identifier& from, Pgn
   if (session != nullptr) {
     give_up(*session);
   } else {
-    const auto free = std::find_if(sessions_.begin(), sessions_.end(), [](auto& one) { return !one.used; });
+    const auto free = std::find_if(sessions_.begin(), sessions_.end(), [](auto& one) { return !one.used(); });
     if (free == sessions_.end()) {
-      ++counters_.refused;
+      ++counters_.no_room;
       return nullptr;
     }
     session = &*free;
@@ -63,10 +54,10 @@ TransportReceiver::Session* TransportReceiver::begin(const Identifier& from, Pgn
   const std::span<std::uint8_t> memory =
       kind == Kind::extended ? free_memory() : std::span<std::uint8_t>(session->own_memory);
   if (memory.empty()) {
-    ++counters_.refused;
+    ++counters_.no_room;
     return nullptr;
   }
-  session->used = true;
+  session->enter(SessionEvent::begun);
   session->message = ++messages_;
   session->kind = kind;
   session->source = from.source;
@@ -79,8 +70,6 @@ TransportReceiver::Session* TransportReceiver::begin(const Identifier& from, Pgn
   session->next = 1;
   session->window_end = session->packets;
   session->offset = 0;
-  session->offset_wanted = false;
-  session->gap = false;
   session->asked_again = 0;
   session->repeats = 0;
   session->until = now + kT1;
@@ -88,63 +77,65 @@ TransportReceiver::Session* TransportReceiver::begin(const Identifier& from, Pgn
   return session;
 }
 
-void TransportReceiver::refuse(const Identifier& from, const can::Frame& frame, Address own,
-                               AbortReason reason, Kind kind) noexcept {
-  answers_.push(abort_frame(own, from.source, pgn_in(frame), reason, control_of(kind == Kind::extended)));
-}
-
-void TransportReceiver::announce(const Identifier& from, const can::Frame& frame, Time now) noexcept {
-  if (!is_announcement(frame)) {
-    ++counters_.refused;
+void TransportReceiver::announce(const Identifier& from, Pgn number, const Announcement& said,
+                                 Time now) noexcept {
+  if (!is_in_packets(number, said.size, said.packets)) {
+    ++counters_.impossible;
     return;
   }
-  (void)begin(from, pgn_in(frame), size_in(frame), Kind::broadcast, now);
+  (void)begin(from, number, said.size, Kind::broadcast, now);
 }
 
-void TransportReceiver::request(const Identifier& from, const can::Frame& frame, Address own,
-                                Time now) noexcept {
-  const auto refused = [&](AbortReason reason) {
-    ++counters_.refused;
-    refuse(from, frame, own, reason, Kind::connection);
-  };
-  if (size_in(frame) > kMostBytes) return refused(AbortReason::too_long);
-  if (!is_announcement(frame)) return refused(AbortReason::bad_sequence);
+std::optional<AbortReason> TransportReceiver::obstacle(Address source, Pgn number, const RequestToSend& said,
+                                                       bool extended) noexcept {
+  if (extended) {
+    if (said.size > most_) return AbortReason::no_resources;
+    if (said.size <= kMostBytes || !is_pgn(number)) return AbortReason::bad_sequence;
+  } else {
+    if (said.size > kMostBytes) return AbortReason::too_long;
+    if (!is_in_packets(number, said.size, said.packets)) return AbortReason::bad_sequence;
+  }
   // The same group anew: its sender has begun again. Another: it has one connection at a time.
-  const Session* before = find(from.source, Kind::connection);
-  if (before != nullptr && before->number != pgn_in(frame)) return refused(AbortReason::busy);
-  Session* session = begin(from, pgn_in(frame), size_in(frame), Kind::connection, now);
-  if (session == nullptr) return refuse(from, frame, own, AbortReason::no_resources, Kind::connection);
-  session->most = frame.data[4] == 0 ? std::uint8_t{255} : frame.data[4];
-  ask(*session, now);
+  const Session* before = find(source, extended ? Kind::extended : Kind::connection);
+  return before != nullptr && before->number != number ? std::optional(AbortReason::busy) : std::nullopt;
 }
 
-void TransportReceiver::request_extended(const Identifier& from, const can::Frame& frame, Address own,
-                                         Time now) noexcept {
-  const auto refused = [&](AbortReason reason) {
-    ++counters_.refused;
-    refuse(from, frame, own, reason, Kind::extended);
+std::uint64_t& TransportReceiver::count_of(AbortReason reason) noexcept {
+  if (reason == AbortReason::busy) return counters_.busy;
+  return reason == AbortReason::no_resources ? counters_.no_room : counters_.impossible;
+}
+
+void TransportReceiver::request(const Identifier& from, Pgn number, const RequestToSend& said, bool extended,
+                                Address own, Time now) noexcept {
+  const auto refuse = [&](AbortReason reason) {
+    answers_.push(frame_of(TransportControl{extended, number, Abort{reason}}, own, from.source));
   };
-  const std::uint32_t size = number_in(frame, 1, 4);
-  if (size > most_) return refused(AbortReason::no_resources);
-  if (size <= kMostBytes || !is_pgn(pgn_in(frame))) return refused(AbortReason::bad_sequence);
-  const Session* before = find(from.source, Kind::extended);
-  if (before != nullptr && before->number != pgn_in(frame)) return refused(AbortReason::busy);
-  Session* session = begin(from, pgn_in(frame), size, Kind::extended, now);
-  if (session == nullptr) return refuse(from, frame, own, AbortReason::no_resources, Kind::extended);
+  if (const auto reason = obstacle(from.source, number, said, extended)) {
+    ++count_of(*reason);
+    return refuse(*reason);
+  }
+  Session* session = begin(from, number, said.size, extended ? Kind::extended : Kind::connection, now);
+  if (session == nullptr) return refuse(AbortReason::no_resources);
+  session->most = said.most == 0 ? std::uint8_t{255} : said.most;
   ask(*session, now);
 }
 
-void TransportReceiver::offset(const Identifier& from, const can::Frame& frame, Time now) noexcept {
-  Session* session = find(from.source, Kind::extended);
-  if (session == nullptr || session->number != pgn_in(frame) || !session->offset_wanted) return;
-  const std::uint32_t count = frame.data[1];
-  if (count == 0 || session->next + count - 1 > session->window_end)
+void TransportReceiver::offset(Address source, Pgn number, const DataOffset& said, Time now) noexcept {
+  Session* session = find(source, Kind::extended);
+  if (session == nullptr || session->number != number || session->state != SessionState::offset) return;
+  if (said.count == 0 || session->next + said.count - 1 > session->window_end)
     return break_off(*session, AbortReason::wrong_count);
-  if (number_in(frame, 2, 3) != session->next - 1) return break_off(*session, AbortReason::wrong_offset);
-  session->offset_wanted = false;
-  session->offset = session->next - 1;
-  session->window_end = session->next + count - 1;
+  if (said.offset != session->next - 1) return break_off(*session, AbortReason::wrong_offset);
+  session->enter(SessionEvent::offset_came);
+  session->offset = said.offset;
+  session->window_end = session->next + said.count - 1;
   session->until = now + kT1;
+}
+
+/// Says it to the sender.
+void TransportReceiver::answer(const Session& session, const TransportControl::What& what) noexcept {
+  answers_.push(
+      frame_of({session.kind == Kind::extended, session.number, what}, session.own, session.source));
 }
 
 /// Asks for the next window.
@@ -152,19 +143,9 @@ void TransportReceiver::ask(Session& session, Time now) noexcept {
   const std::uint32_t left = session.packets - session.next + 1;
   const std::uint32_t count = std::min({left, std::uint32_t{window_}, std::uint32_t{session.most}});
   session.window_end = session.next + count - 1;
-  session.gap = false;
+  session.enter(session.kind == Kind::extended ? SessionEvent::asked_extended : SessionEvent::asked);
   session.until = now + kT2;
-  const std::uint8_t packets = static_cast<std::uint8_t>(count);
-  if (session.kind == Kind::extended) {
-    session.offset_wanted = true;
-    answers_.push(
-        control_frame(session.own, session.source, session.number, Control::extended_cts,
-                      {packets, byte_of(session.next, 0), byte_of(session.next, 1), byte_of(session.next, 2)},
-                      pgn::kExtendedTransportControl));
-    return;
-  }
-  answers_.push(control_frame(session.own, session.source, session.number, Control::cts,
-                              {packets, static_cast<std::uint8_t>(session.next), 0xFF, 0xFF}));
+  answer(session, ClearToSend{static_cast<std::uint8_t>(count), session.next});
 }
 
 /// What was missed is asked for again, a bounded number of times for each packet.
@@ -177,13 +158,12 @@ void TransportReceiver::ask_again(Session& session, Time now) noexcept {
 }
 
 void TransportReceiver::break_off(Session& session, AbortReason reason) noexcept {
-  answers_.push(abort_frame(session.own, session.source, session.number, reason,
-                            control_of(session.kind == Kind::extended)));
+  answer(session, Abort{reason});
   give_up(session);
 }
 
 void TransportReceiver::give_up(Session& session) noexcept {
-  session.used = false;
+  session.enter(SessionEvent::ended);
   ++counters_.broken;
 }
 
@@ -203,22 +183,24 @@ std::optional<Message> TransportReceiver::packet(const Identifier& from, const c
   const bool extended = pgn_of(from) == pgn::kExtendedTransportData;
   Session* session =
       find(from.source, extended ? Kind::extended : (broadcast ? Kind::broadcast : Kind::connection));
-  if (session == nullptr || frame.dlc != 8 || session->offset_wanted) return std::nullopt;
-  const std::uint32_t number = session->offset + frame.data[0];
-  if (number < session->next && frame.data[0] != 0) return std::nullopt;  // twice: it is there already
+  const auto packet = packet_in(frame);
+  if (!packet) ++counters_.wrong_length;
+  if (session == nullptr || !packet || session->state == SessionState::offset) return std::nullopt;
+  const std::uint32_t number = session->offset + packet->number;
+  if (number < session->next && packet->number != 0) return std::nullopt;  // twice: it is there already
   if (number != session->next || number > session->window_end) {
     if (broadcast) {
       give_up(*session);  // nobody can be asked for it
       return std::nullopt;
     }
-    session->gap = true;
+    session->enter(SessionEvent::packet_missing);
     session->until = end + kT1;
     if (number >= session->window_end) ask_again(*session, end);
     return std::nullopt;
   }
   const std::size_t at = (number - 1u) * kPacketBytes;
   const std::size_t bytes = std::min(kPacketBytes, session->size - at);
-  std::copy_n(frame.data.begin() + 1, bytes, session->data.begin() + static_cast<std::ptrdiff_t>(at));
+  std::copy_n(packet->data.begin(), bytes, session->data.begin() + static_cast<std::ptrdiff_t>(at));
   session->until = end + kT1;
   if (number == session->packets) return finish(*session, end);
   ++session->next;
@@ -228,45 +210,30 @@ std::optional<Message> TransportReceiver::packet(const Identifier& from, const c
 
 /// The last packet is there.
 Message TransportReceiver::finish(Session& session, Time end) noexcept {
-  session.used = false;
+  session.enter(SessionEvent::ended);
   ++counters_.completed;
-  const std::uint32_t size = session.size;
-  Transport transport = Transport::connection;
-  switch (session.kind) {
-    case Kind::broadcast:
-      transport = Transport::broadcast;
-      break;
-    case Kind::connection:
-      answers_.push(control_frame(
-          session.own, session.source, session.number, Control::acknowledged,
-          {byte_of(size, 0), byte_of(size, 1), static_cast<std::uint8_t>(session.packets), 0xFF}));
-      break;
-    case Kind::extended:
-      transport = Transport::extended;
-      answers_.push(control_frame(session.own, session.source, session.number, Control::extended_acknowledged,
-                                  {byte_of(size, 0), byte_of(size, 1), byte_of(size, 2), byte_of(size, 3)},
-                                  pgn::kExtendedTransportControl));
-      break;
-  }
+  const bool broadcast = session.kind == Kind::broadcast;
+  if (!broadcast) answer(session, EndOfMessage{session.size, session.packets});
+  constexpr std::array kTransports = {Transport::broadcast, Transport::connection, Transport::extended};
   return {session.number,
           session.priority,
           session.source,
-          session.kind == Kind::broadcast ? kGlobalAddress : session.own,
-          transport,
+          broadcast ? kGlobalAddress : session.own,
+          kTransports[static_cast<std::size_t>(session.kind)],
           end,
-          session.data.first(size)};
+          session.data.first(session.size)};
 }
 
 void TransportReceiver::drop_connections() noexcept {
   for (Session& session : sessions_) {
-    if (session.used && session.kind != Kind::broadcast) give_up(session);
+    if (session.used() && session.kind != Kind::broadcast) give_up(session);
   }
 }
 
 void TransportReceiver::advance(Time now) noexcept {
   for (Session& session : sessions_) {
-    if (!session.used || session.until > now) continue;
-    if (session.gap) {
+    if (!session.used() || session.until > now) continue;
+    if (session.state == SessionState::window) {
       ask_again(session, now);
       continue;
     }
@@ -281,26 +248,26 @@ void TransportReceiver::advance(Time now) noexcept {
 Time TransportReceiver::next_deadline() const noexcept {
   Time next = Time::max();
   for (const Session& session : sessions_) {
-    if (session.used) next = std::min(next, session.until);
+    if (session.used()) next = std::min(next, session.until);
   }
   return next;
 }
 
 std::uint64_t TransportReceiver::coming(Pgn number, Address source) const noexcept {
   for (const Session& session : sessions_) {
-    if (session.used && session.number == number && session.source == source) return session.message;
+    if (session.used() && session.number == number && session.source == source) return session.message;
   }
   return 0;
 }
 
 bool TransportReceiver::is_coming(std::uint64_t message) const noexcept {
   return std::any_of(sessions_.begin(), sessions_.end(),
-                     [&](const Session& one) { return one.used && one.message == message; });
+                     [&](const Session& one) { return one.used() && one.message == message; });
 }
 
 std::size_t TransportReceiver::open() const noexcept {
   return static_cast<std::size_t>(
-      std::count_if(sessions_.begin(), sessions_.end(), [](const Session& one) { return one.used; }));
+      std::count_if(sessions_.begin(), sessions_.end(), [](const Session& one) { return one.used(); }));
 }
 
 }  // namespace j1939

@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "can/frame.h"
+#include "j1939/codec.h"
 #include "j1939/identifier.h"
 #include "j1939/message.h"
+#include "j1939/session_state.h"
 #include "j1939/transport.h"
 
 namespace j1939 {
@@ -17,7 +19,14 @@ namespace j1939 {
 struct ReceiverCounters {
   std::uint64_t completed = 0;  ///< messages put together
   std::uint64_t broken = 0;     ///< begun and not completed: gap, time-out, aborted, replaced by another
-  std::uint64_t refused = 0;    ///< announced and not begun: no room, too long, a connection already
+  // Announced and not begun.
+  std::uint64_t impossible = 0;    ///< of a size, a number of packets or a group that cannot be
+  std::uint64_t busy = 0;          ///< of a sender that has a connection already
+  std::uint64_t no_room = 0;       ///< too many at once, or too long for this node
+  std::uint64_t wrong_length = 0;  ///< packets that have not 8 bytes
+
+  /// Announced and not begun.
+  std::uint64_t refused() const noexcept { return impossible + busy + no_room; }
 };
 
 /// Puts messages together out of packets: of each source one broadcast, one connection and one of the
@@ -34,14 +43,13 @@ class TransportReceiver {
   /// there is none. The queue must outlive the receiver.
   TransportReceiver(std::uint8_t window, std::size_t most, FrameQueue& answers);
 
-  /// A broadcast is announced (control byte 32).
-  void announce(const Identifier& from, const can::Frame& frame, Time now) noexcept;
-  /// A connection to `own`, the address of this node, is asked for (control byte 16).
-  void request(const Identifier& from, const can::Frame& frame, Address own, Time now) noexcept;
-  /// Likewise, of the extended form (control byte 20).
-  void request_extended(const Identifier& from, const can::Frame& frame, Address own, Time now) noexcept;
-  /// Which packets follow (control byte 22).
-  void offset(const Identifier& from, const can::Frame& frame, Time now) noexcept;
+  /// A broadcast of this group is announced.
+  void announce(const Identifier& from, Pgn number, const Announcement& said, Time now) noexcept;
+  /// A connection to `own`, the address of this node, is asked for; `extended`: of that form.
+  void request(const Identifier& from, Pgn number, const RequestToSend& said, bool extended, Address own,
+               Time now) noexcept;
+  /// `source` says which packets follow.
+  void offset(Address source, Pgn number, const DataOffset& said, Time now) noexcept;
   /// `source` breaks its connection off; `extended`: that of the extended form.
   void aborted(Address source, Pgn number, bool extended) noexcept;
   /// Of a connection that this receiver only listens to: its destination clears `source` to send, or holds it;
@@ -69,7 +77,7 @@ class TransportReceiver {
  private:
   enum class Kind : std::uint8_t { broadcast, connection, extended };
   struct Session {
-    bool used = false;
+    SessionState state = SessionState::free;
     std::uint64_t message = 0;  ///< over 0, each its own
     Kind kind = Kind::connection;
     Address source = 0;
@@ -82,20 +90,25 @@ class TransportReceiver {
     std::uint32_t next = 1;         ///< number of the packet that is waited for; packets + 1 does not occur
     std::uint32_t window_end = 0;   ///< last one of the window
     std::uint32_t offset = 0;       ///< extended: what the numbers of packets count from
-    bool offset_wanted = false;     ///< extended: the sender says first which packets follow
-    bool gap = false;               ///< one of the window was missed
     std::uint32_t asked_again = 0;  ///< packet that was asked for again last
     unsigned repeats = 0;           ///< times it was
     Time until{};
     std::span<std::uint8_t> data;  ///< memory for the message
     std::array<std::uint8_t, kMostBytes> own_memory = {};
+
+    bool used() const noexcept { return state != SessionState::free; }
+    void enter(SessionEvent event) noexcept { state = j1939::next(state, event).value_or(state); }
   };
 
   Session* find(Address source, Kind kind) noexcept;
   Session* begin(const Identifier& from, Pgn number, std::uint32_t size, Kind kind, Time now) noexcept;
   std::span<std::uint8_t> free_memory() noexcept;
-  void refuse(const Identifier& from, const can::Frame& frame, Address own, AbortReason reason,
-              Kind kind) noexcept;
+  /// Why a connection cannot be begun; nothing: it can.
+  std::optional<AbortReason> obstacle(Address source, Pgn number, const RequestToSend& said,
+                                      bool extended) noexcept;
+  /// Of connections that were refused for this reason.
+  std::uint64_t& count_of(AbortReason reason) noexcept;
+  void answer(const Session& session, const TransportControl::What& what) noexcept;
   void break_off(Session& session, AbortReason reason) noexcept;
   Message finish(Session& session, Time end) noexcept;
   void give_up(Session& session) noexcept;

@@ -3,14 +3,6 @@
 #include <algorithm>
 
 namespace j1939 {
-namespace {
-
-constexpr Pgn control_by(bool extended) noexcept {
-  return extended ? pgn::kExtendedTransportControl : pgn::kTransportControl;
-}
-
-}  // namespace
-
 bool TransportSender::has_room(Address destination) const noexcept {
   bool room = false;
   for (const Session& session : sessions_) {
@@ -39,10 +31,8 @@ void TransportSender::begin(const Job& job, Time now) noexcept {
 bool TransportSender::cancel(std::uint64_t id) noexcept {
   for (Session& session : sessions_) {
     if (session.step == Step::free || session.step == Step::over || session.job.id != id) continue;
-    if (session.step != Step::announce && session.job.destination != kGlobalAddress) {
-      answers_.push(abort_frame(session.job.source, session.job.destination, session.job.number,
-                                AbortReason::no_resources, control_by(session.extended)));
-    }
+    if (session.step != Step::announce && session.job.destination != kGlobalAddress)
+      say_abort(session, AbortReason::no_resources);
     session.step = Step::free;
     return true;
   }
@@ -64,22 +54,14 @@ bool TransportSender::ready(const Session& session) const noexcept {
 can::Frame TransportSender::announcement(const Session& session) noexcept {
   const Job& job = session.job;
   const auto size = static_cast<std::uint32_t>(job.data.size());
-  Control control = job.destination == kGlobalAddress ? Control::bam : Control::rts;
-  std::array<std::uint8_t, 4> bytes = {byte_of(size, 0), byte_of(size, 1),
-                                       static_cast<std::uint8_t>(session.packets), 0xFF};
-  if (session.extended) {
-    control = Control::extended_rts;
-    bytes = {byte_of(size, 0), byte_of(size, 1), byte_of(size, 2), byte_of(size, 3)};
-  }
-  if (session.step == Step::offset) {
-    control = Control::extended_offset;
-    bytes = {static_cast<std::uint8_t>(session.window_end - session.offset), byte_of(session.offset, 0),
-             byte_of(session.offset, 1), byte_of(session.offset, 2)};
-  }
-  const Pgn by = control_by(session.extended);
-  can::Frame frame = control_frame(job.source, job.destination, job.number, control, bytes, by);
-  frame.id = compose(identifier_of(by, job.priority, job.destination, job.source));
-  return frame;
+  const auto saying = [&](const TransportControl::What& what) {
+    return frame_of(TransportControl{session.extended, job.number, what}, job.source, job.destination,
+                    job.priority);
+  };
+  if (session.step == Step::offset)
+    return saying(DataOffset{static_cast<std::uint8_t>(session.window_end - session.offset), session.offset});
+  if (job.destination == kGlobalAddress) return saying(Announcement{size, session.packets});
+  return saying(RequestToSend{size, session.packets});
 }
 
 std::optional<can::Frame> TransportSender::next_frame(std::size_t index) const noexcept {
@@ -87,14 +69,9 @@ std::optional<can::Frame> TransportSender::next_frame(std::size_t index) const n
   if (!ready(session) || session.not_before > now_) return std::nullopt;
   if (session.step != Step::packets) return announcement(session);
   const Job& job = session.job;
-  std::array<std::uint8_t, 8> bytes;
-  bytes.fill(0xFF);
-  bytes[0] = static_cast<std::uint8_t>(session.next - session.offset);
   const std::size_t at = (session.next - std::size_t{1}) * kPacketBytes;
-  std::copy_n(job.data.begin() + static_cast<std::ptrdiff_t>(at),
-              std::min(kPacketBytes, job.data.size() - at), bytes.begin() + 1);
-  const Pgn by = session.extended ? pgn::kExtendedTransportData : pgn::kTransportData;
-  return frame_of(identifier_of(by, job.priority, job.destination, job.source), bytes);
+  const Packet packet{static_cast<std::uint8_t>(session.next - session.offset), job.data.subspan(at)};
+  return frame_of(packet, session.extended, job.source, job.destination, job.priority);
 }
 
 void TransportSender::handed_over(std::size_t index, Time now) noexcept {
@@ -150,24 +127,17 @@ TransportSender::Session* TransportSender::find(Address destination, Pgn number,
   return nullptr;
 }
 
-void TransportSender::clear_to_send(Address from, const can::Frame& frame, Time now) noexcept {
-  send_window(find(from, pgn_in(frame), false), frame.data[2], frame.data[1], now);
-}
-
-void TransportSender::extended_clear_to_send(Address from, const can::Frame& frame, Time now) noexcept {
-  send_window(find(from, pgn_in(frame), true), number_in(frame, 2, 3), frame.data[1], now);
-}
-
-/// The receiver asks for `count` packets from `first` on; with none it holds the connection.
-void TransportSender::send_window(Session* session, std::uint32_t first, std::uint8_t count,
-                                  Time now) noexcept {
+void TransportSender::clear_to_send(Address from, Pgn number, const ClearToSend& said, bool extended,
+                                    Time now) noexcept {
+  Session* session = find(from, number, extended);
   if (session == nullptr || session->step == Step::announce) return;
   if (session->step != Step::wait) return break_off(*session, AbortReason::cts_while_sending);
   session->in_controller = false;  // it answers what was sent last
-  if (count == 0) {                // held
+  if (said.count == 0) {           // held
     session->until = now + kT4;
     return;
   }
+  const std::uint32_t first = said.first;
   if (first == 0 || first > session->packets || first > session->highest + 1u)
     return break_off(*session, AbortReason::bad_sequence);
   if (first <= session->highest) {
@@ -176,28 +146,32 @@ void TransportSender::send_window(Session* session, std::uint32_t first, std::ui
     if (++session->repeats > kMostRepeats) return break_off(*session, AbortReason::too_many_repeats);
   }
   session->next = first;
-  session->window_end = std::min(first + count - 1u, session->packets);
+  session->window_end = std::min(first + said.count - 1u, session->packets);
   session->offset = session->extended ? first - 1 : 0;
   session->step = session->extended ? Step::offset : Step::packets;
   session->not_before = now_;
   session->until = Time::max();
 }
 
-void TransportSender::acknowledged(Address from, const can::Frame& frame, bool extended, Time now) noexcept {
-  Session* session = find(from, pgn_in(frame), extended);
+void TransportSender::acknowledged(Address from, Pgn number, bool extended, Time now) noexcept {
+  Session* session = find(from, number, extended);
   if (session == nullptr || session->step != Step::wait || session->highest != session->packets) return;
   end(*session, SendEnd::done, 0, now);
 }
 
-void TransportSender::aborted(Address from, const can::Frame& frame, bool extended) noexcept {
-  Session* session = find(from, pgn_in(frame), extended);
+void TransportSender::aborted(Address from, Pgn number, const Abort& said, bool extended) noexcept {
+  Session* session = find(from, number, extended);
   if (session == nullptr || session->step == Step::announce) return;
-  end(*session, SendEnd::aborted, frame.data[1], {});
+  end(*session, SendEnd::aborted, static_cast<std::uint8_t>(said.reason), {});
+}
+
+void TransportSender::say_abort(const Session& session, AbortReason reason) noexcept {
+  const Job& job = session.job;
+  answers_.push(frame_of({session.extended, job.number, Abort{reason}}, job.source, job.destination));
 }
 
 void TransportSender::break_off(Session& session, AbortReason reason) noexcept {
-  answers_.push(abort_frame(session.job.source, session.job.destination, session.job.number, reason,
-                            control_by(session.extended)));
+  say_abort(session, reason);
   end(session, SendEnd::no_answer, 0, {});
 }
 

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "can/frame.h"
+#include "j1939/codec.h"
 #include "j1939/identifier.h"
 #include "j1939/transport.h"
 
@@ -63,14 +64,12 @@ class TransportSender {
   /// `SendEnd::no_answer`; of a connection the receiver says what it has.
   void unseen(std::size_t index, Time now) noexcept;
 
-  /// The receiver asks for packets.
-  void clear_to_send(Address from, const can::Frame& frame, Time now) noexcept;
-  /// Likewise, of the extended form.
-  void extended_clear_to_send(Address from, const can::Frame& frame, Time now) noexcept;
-  /// The receiver has all of them; `extended`: it said so by the extended form, as in `aborted`.
-  void acknowledged(Address from, const can::Frame& frame, bool extended, Time now) noexcept;
+  /// The receiver asks for packets; `extended`: it says so by the extended form, as in the next two.
+  void clear_to_send(Address from, Pgn number, const ClearToSend& said, bool extended, Time now) noexcept;
+  /// The receiver has all of them.
+  void acknowledged(Address from, Pgn number, bool extended, Time now) noexcept;
   /// The receiver breaks it off.
-  void aborted(Address from, const can::Frame& frame, bool extended) noexcept;
+  void aborted(Address from, Pgn number, const Abort& said, bool extended) noexcept;
 
   /// It is `now`: ends what the receiver left.
   void advance(Time now) noexcept;
@@ -114,8 +113,9 @@ class TransportSender {
 
   Session* find(Address destination, Pgn number, bool extended) noexcept;
   static can::Frame announcement(const Session& session) noexcept;
-  void send_window(Session* session, std::uint32_t first, std::uint8_t count, Time now) noexcept;
   void end(Session& session, SendEnd how, std::uint8_t reason, Time sent) noexcept;
+  /// Says to the receiver why it is broken off.
+  void say_abort(const Session& session, AbortReason reason) noexcept;
   void break_off(Session& session, AbortReason reason) noexcept;
   bool ready(const Session& session) const noexcept;
 

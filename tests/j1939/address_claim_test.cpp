@@ -56,6 +56,31 @@ NodeSettings asking() {
   return settings;
 }
 
+TEST(AddressClaim, BegunAnewTheAddressOfANodeThatHasLeftIsFree) {
+  NodeSettings settings = asking();
+  settings.claim.name = fixed().claim.name;
+  NodeRig rig(settings);
+  EXPECT_EQ(rig.pump(), std::vector{kAskAll});
+  (void)rig.hear_claim(kOwn, kWeaker);
+  EXPECT_EQ(rig.run(milliseconds(403)), std::vector{fixed_claim(254)});
+  EXPECT_EQ(rig.node.claim().state(), ClaimState::cannot_claim);
+  rig.node.controller_emptied();
+  EXPECT_EQ(rig.pump(), std::vector{kAskAll});
+  EXPECT_EQ(rig.run(milliseconds(250)), std::vector{fixed_claim(kOwn)});
+}
+
+TEST(AddressClaim, BegunAnewAfterAnotherOfItsNameHasLeft) {
+  NodeRig rig(asking());
+  (void)rig.pump();
+  (void)rig.hear_claim(0x90, settings_at(kOwn).claim.name);
+  (void)rig.run(milliseconds(403));
+  EXPECT_TRUE(rig.node.claim().name_twice());
+  rig.node.controller_emptied();
+  (void)rig.pump();
+  EXPECT_EQ(rig.run(milliseconds(250)), std::vector{own_claim(kOwn)});
+  EXPECT_FALSE(rig.node.claim().name_twice());
+}
+
 TEST(AddressClaim, AsksFirstAndClaimsWhatNobodyAnswersFor) {
   NodeRig rig(asking());
   EXPECT_EQ(rig.pump(), std::vector{kAskAll});

@@ -147,7 +147,9 @@ TEST_F(ExtendedTransport, WhatHasNoRoomIsRefusedWithTheReason) {
       << "one connection with a node at a time";
   (void)rig.hear(abort(3, kControlIn));
   EXPECT_EQ(asked_by(0x23, 0xA0, 0x0F).at(0).data[0], 21) << "a place is free again";
-  EXPECT_EQ(rig.node.received_packets().refused, 4u);
+  EXPECT_EQ(rig.node.received_packets().no_room, 2u);
+  EXPECT_EQ(rig.node.received_packets().impossible, 1u);
+  EXPECT_EQ(rig.node.received_packets().busy, 1u);
 }
 
 TEST_F(ExtendedTransport, TheSameGroupAnewTakesThePlaceOfTheOneBefore) {

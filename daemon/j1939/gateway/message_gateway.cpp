@@ -86,6 +86,7 @@ std::string MessageGateway::state_text() const {
   switch (bus_.claim) {
     case j1939::ClaimState::listening:
       return with("J1939: listens without an address");
+    case j1939::ClaimState::asking:
     case j1939::ClaimState::claiming:
       return with(fmt::format("J1939: claims address {}", bus_.address));
     case j1939::ClaimState::claimed:
@@ -244,7 +245,12 @@ j1939_NodeStatus MessageGateway::node_status() const {
   sample.lost = bus_.lost + unwritten_;
   sample.packets_completed = bus_.packets.completed;
   sample.packets_broken = bus_.packets.broken;
-  sample.packets_refused = bus_.packets.refused;
+  sample.packets_refused = bus_.packets.refused();
+  sample.declined_length = bus_.counters.wrong_length + bus_.packets.wrong_length;
+  sample.declined_unknown = bus_.counters.unknown;
+  sample.declined_impossible = bus_.packets.impossible;
+  sample.declined_busy = bus_.packets.busy;
+  sample.declined_no_room = bus_.packets.no_room;
   sample.transports = bus_.transports;
   sample.sent = bus_.counters.sent;
   sample.unanswered = bus_.counters.unanswered;

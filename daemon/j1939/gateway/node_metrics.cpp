@@ -53,6 +53,8 @@ constexpr MetricFamily kNodeFamilies[] = {
      "Messages in packets that were begun and did not come whole."},
     {"cansync_j1939_packets_refused", MetricType::counter, "", "NodeStatus.packets_refused",
      "Messages in packets that were announced and not begun."},
+    {"cansync_j1939_declined", MetricType::counter, "kind", "NodeStatus.declined_length...",
+     "What other nodes sent and is not taken, by kind."},
     {"cansync_j1939_transports", MetricType::gauge, "", "NodeStatus.transports",
      "Messages in packets under way, in both directions."},
     {"cansync_j1939_requests_unanswered", MetricType::counter, "", "NodeStatus.unanswered",

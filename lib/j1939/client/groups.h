@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "dbc/database.h"
+#include "j1939/identifier.h"
 
 /// Signals of J1939 by name: groups of a file, whose identifiers stand for any priority, source and
 /// destination. Allocates; main thread.
@@ -18,14 +19,20 @@ class Groups {
   explicit Groups(dbc::Database database);
 
   const dbc::Database& database() const noexcept { return database_; }
-  /// The message of a group: of several that of this source, else that of address 254, which stands for any,
-  /// else the first; null: there is none. It lives as long as this object.
-  const dbc::Message* find(std::uint32_t pgn, std::uint8_t source) const noexcept;
+  /// What the file says of a group.
+  struct Found {
+    const dbc::Message* message = nullptr;  ///< lives as long as the Groups; null: it has none
+    std::size_t others = 0;  ///< messages of the group that it could be as well; of them all it is the first
+  };
+  /// Of several messages of a group that for this destination, then that of this source. Addresses 254 and 255 in the
+  /// file stand for any.
+  Found find(Pgn pgn, Address source, Address destination) const noexcept;
 
  private:
   struct Group {
-    std::uint32_t pgn = 0;
-    std::uint8_t source = 0;
+    Pgn pgn = 0;
+    Address source = 0;
+    Address destination = kGlobalAddress;
     std::size_t message = 0;  ///< place among the messages of the file
   };
 
@@ -33,8 +40,8 @@ class Groups {
   std::vector<Group> groups_;  ///< by rising group, those of one group in the order of the file
 };
 
-/// As dbc::read_signals; what says "not available" or "error" (SAE J1939-71) and has no other name is named
-/// so.
+/// As dbc::read_signals. What is no value by SAE J1939-71 and has no other name has the name "not available", "error",
+/// "reserved" or "parameter specific", and not a number as its value.
 std::vector<dbc::Reading> read_group(const dbc::Message& message, std::span<const std::uint8_t> data);
 
 }  // namespace j1939::client

@@ -17,7 +17,8 @@ std::optional<j1939::Message> RecordedBus::receive(std::uint32_t bus, const can:
   const Address destination = destination_of(from);
   const Time now = clock(bus, time);
   if (number == pgn::kTransportControl || number == pgn::kExtendedTransportControl) {
-    if (from.source < kNullAddress && frame.dlc == 8) control(bus, frame, from, now);
+    const auto said = transport_control_in(frame);
+    if (said && from.source < kNullAddress) control(bus, *said, from, now);
     return std::nullopt;
   }
   if (number == pgn::kTransportData || number == pgn::kExtendedTransportData) {
@@ -41,7 +42,7 @@ RecordedBus::Counters RecordedBus::counters() const {
   for (const auto& [key, destination] : destinations_) {
     const ReceiverCounters& counters = destination.receiver.counters();
     all.incomplete += counters.broken + destination.receiver.open();
-    all.refused += counters.refused;
+    all.refused += counters.refused();
   }
   return all;
 }
@@ -73,42 +74,28 @@ TransportReceiver* RecordedBus::find_or_make(const Key& key, Time now) {
 
 /// What both ends of a connection say; of what the destination says only that matters which moves the time on,
 /// or ends the connection.
-void RecordedBus::control(std::uint32_t bus, const can::Frame& frame, const Identifier& from, Time now) {
-  const bool extended = pgn_of(from) == pgn::kExtendedTransportControl;
+void RecordedBus::control(std::uint32_t bus, const TransportControl& said, const Identifier& from, Time now) {
   const Address destination = destination_of(from);
-  const Key to{bus, destination, extended};
-  const Key back{bus, from.source, extended};
-  switch (static_cast<Control>(frame.data[0])) {
-    case Control::bam:
-      if (!extended && destination == kGlobalAddress)
-        if (TransportReceiver* receiver = find_or_make(to, now)) receiver->announce(from, frame, now);
-      break;
-    case Control::rts:
-      if (!extended && destination < kNullAddress)
-        if (TransportReceiver* receiver = find_or_make(to, now))
-          receiver->request(from, frame, destination, now);
-      break;
-    case Control::extended_rts:
-      if (extended && destination < kNullAddress)
-        if (TransportReceiver* receiver = find_or_make(to, now))
-          receiver->request_extended(from, frame, destination, now);
-      break;
-    case Control::extended_offset:
-      if (TransportReceiver* receiver = find(to, now)) receiver->offset(from, frame, now);
-      break;
-    case Control::cts:
-    case Control::extended_cts:
-      if (TransportReceiver* receiver = find(back, now))
-        receiver->cleared_to_send(destination, pgn_in(frame), extended, now);
-      break;
-    case Control::abort:
-      if (TransportReceiver* receiver = find(to, now))
-        receiver->aborted(from.source, pgn_in(frame), extended);
-      if (TransportReceiver* receiver = find(back, now))
-        receiver->aborted(destination, pgn_in(frame), extended);
-      break;
-    default:
-      break;
+  const Key to{bus, destination, said.extended};
+  const Key back{bus, from.source, said.extended};
+  if (const auto* announced = std::get_if<Announcement>(&said.what)) {
+    if (destination != kGlobalAddress) return;
+    if (TransportReceiver* receiver = find_or_make(to, now))
+      receiver->announce(from, said.number, *announced, now);
+  } else if (const auto* request = std::get_if<RequestToSend>(&said.what)) {
+    if (destination >= kNullAddress) return;
+    if (TransportReceiver* receiver = find_or_make(to, now))
+      receiver->request(from, said.number, *request, said.extended, destination, now);
+  } else if (const auto* offset = std::get_if<DataOffset>(&said.what)) {
+    if (TransportReceiver* receiver = find(to, now)) receiver->offset(from.source, said.number, *offset, now);
+  } else if (std::holds_alternative<ClearToSend>(said.what)) {
+    if (TransportReceiver* receiver = find(back, now))
+      receiver->cleared_to_send(destination, said.number, said.extended, now);
+  } else if (std::holds_alternative<Abort>(said.what)) {
+    if (TransportReceiver* receiver = find(to, now))
+      receiver->aborted(from.source, said.number, said.extended);
+    if (TransportReceiver* receiver = find(back, now))
+      receiver->aborted(destination, said.number, said.extended);
   }
 }
 

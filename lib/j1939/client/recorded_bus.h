@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "can/frame.h"
+#include "j1939/codec.h"
 #include "j1939/message.h"
 #include "j1939/transport.h"
 #include "j1939/transport_receiver.h"
@@ -68,7 +69,7 @@ class RecordedBus {
   TransportReceiver* find(const Key& key, Time now);
   /// The same; a new one where there is none. Null: there are too many, which is counted.
   TransportReceiver* find_or_make(const Key& key, Time now);
-  void control(std::uint32_t bus, const can::Frame& frame, const Identifier& from, Time now);
+  void control(std::uint32_t bus, const TransportControl& said, const Identifier& from, Time now);
 
   std::map<std::uint32_t, Clock> clocks_;
   std::map<Key, Destination> destinations_;

@@ -74,17 +74,7 @@ std::string_view reason_of_abort(std::uint8_t reason) noexcept {
 }  // namespace
 
 std::string_view name_of(ClaimState state) noexcept {
-  switch (state) {
-    case ClaimState::listening:
-      return "listening";
-    case ClaimState::claiming:
-      return "claiming";
-    case ClaimState::claimed:
-      return "claimed";
-    case ClaimState::cannot_claim:
-      break;
-  }
-  return "cannot-claim";
+  return name(state == ClaimState::asking ? ClaimState::claiming : state);
 }
 
 std::string_view name_of(Outcome outcome) noexcept {

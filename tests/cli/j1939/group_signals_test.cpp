@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include <variant>
+#include <cmath>
+#include <string>
+#include <vector>
 
 #include "cli/base/session.h"
 #include "cli/dbc/dbc_file.h"
@@ -27,7 +29,7 @@ BO_ 2566843907 ET1_of_3: 8 Vector__XXX
 BO_ 2365522686 Choice: 3 Vector__XXX
  SG_ Which M : 0|8@1+ (1,0) [0|255] "" Vector__XXX
  SG_ First m1 : 8|8@1+ (1,0) [0|250] "" Vector__XXX
- SG_ Second m2 : 8|16@1- (1,0) [0|250] "" Vector__XXX
+ SG_ Second m2 : 8|16@1- (1,0) [-250|250] "" Vector__XXX
 BO_ 291 Narrow: 8 Vector__XXX
  SG_ One : 0|8@1+ (1,0) [0|255] "" Vector__XXX
 VAL_ 2364540158 TorqueMode 0 "idle" 15 "unknown" ;
@@ -50,24 +52,104 @@ std::string wrong(const std::string& name, const std::vector<std::string>& setti
 
 TEST(GroupSignals, AGroupIsFoundWhateverItsPriorityAndSource) {
   const j1939::client::Groups all(database());
-  ASSERT_NE(all.find(0xF004, 0x21), nullptr);
-  EXPECT_EQ(all.find(0xF004, 0x21)->name, "EEC1");
-  EXPECT_EQ(all.find(0xFEEE, 0x21)->name, "ET1");
-  EXPECT_EQ(all.find(0xFEEE, 3)->name, "ET1_of_3") << "that of the very source first";
-  EXPECT_EQ(all.find(0xFEF1, 0x21), nullptr);
+  ASSERT_NE(all.find(0xF004, 0x21, 255).message, nullptr);
+  EXPECT_EQ(all.find(0xF004, 0x21, 255).message->name, "EEC1");
+  EXPECT_EQ(all.find(0xFEEE, 0x21, 255).message->name, "ET1");
+  EXPECT_EQ(all.find(0xFEEE, 3, 255).message->name, "ET1_of_3") << "that of the very source first";
+  EXPECT_EQ(all.find(0xFEEE, 0x21, 255).others, 0u) << "254 stands for any source";
+  EXPECT_EQ(all.find(0xFEF1, 0x21, 255).message, nullptr);
+}
+
+TEST(GroupSignals, OfSeveralMessagesOfAGroupThatForTheDestinationCounts) {
+  const j1939::client::Groups all(
+      dbc::read_database("BO_ 2565804065 ToPump: 8 X\n SG_ Speed : 0|16@1+ (0.5,0) [0|0] \"rpm\" X\n"
+                         "BO_ 2565832737 ToFan: 8 X\n SG_ Angle : 0|8@1+ (1,-90) [0|0] \"deg\" X\n"
+                         "BO_ 2566843904 OfOne: 8 X\n SG_ A : 0|8@1+ (1,0) [0|0] \"\" X\n"
+                         "BO_ 2566843905 OfTwo: 8 X\n SG_ A : 0|8@1+ (1,0) [0|0] \"\" X\n")
+          .database);
+  struct Case {
+    j1939::Pgn pgn;
+    j1939::Address source;
+    j1939::Address destination;
+    const char* name;
+    std::size_t others;
+  };
+  const Case cases[] = {
+      {0xEF00, 0x21, 0x10, "ToPump", 0}, {0xEF00, 0x21, 0x80, "ToFan", 0},  {0xEF00, 0x33, 0x80, "ToFan", 0},
+      {0xEF00, 0x21, 0xFF, "ToPump", 1}, {0xEF00, 0x21, 0x81, "ToPump", 1}, {0xFEEE, 1, 0xFF, "OfTwo", 0},
+      {0xFEEE, 7, 0xFF, "OfOne", 1},
+  };
+  for (const Case& one : cases) {
+    const auto found = all.find(one.pgn, one.source, one.destination);
+    ASSERT_NE(found.message, nullptr) << one.name;
+    EXPECT_EQ(found.message->name, one.name) << int{one.source} << " to " << int{one.destination};
+    EXPECT_EQ(found.others, one.others) << int{one.source} << " to " << int{one.destination};
+  }
+  const std::vector<std::uint8_t> data = {90};
+  const auto unclear = all.find(0xFEEE, 7, 0xFF);
+  EXPECT_EQ(meaning_of(*unclear.message, j1939::client::read_group(*unclear.message, data), unclear.others),
+            "OfOne (or 1 other message of this group): A 90");
 }
 
 TEST(GroupSignals, ValuesHaveUnitsAndWhatIsNotAvailableSaysSo) {
   const j1939::client::Groups all(database());
-  const dbc::Message& message = *all.find(0xF004, 0);
+  const dbc::Message& message = *all.find(0xF004, 0, 255).message;
   const std::vector<std::uint8_t> data = {0xF0, 0xFF, 0xFE, 0x80, 0x25, 0xFF, 0xFF, 0xFF};
   EXPECT_EQ(meaning_of(message, j1939::client::read_group(message, data)),
-            "EEC1: TorqueMode 0 (idle), ActualTorque 129 % (error), EngineSpeed 1200 rpm");
+            "EEC1: TorqueMode 0 (idle), ActualTorque error (0xFE), EngineSpeed 1200 rpm");
   const std::vector<std::uint8_t> none(8, 0xFF);
   EXPECT_EQ(
       meaning_of(message, j1939::client::read_group(message, none)),
-      "EEC1: TorqueMode 15 (unknown), ActualTorque 130 % (not available), EngineSpeed 8191.875 rpm (not "
-      "available)");
+      "EEC1: TorqueMode 15 (unknown), ActualTorque not available (0xFF), EngineSpeed not available (0xFFFF)");
+}
+
+// SAE J1939-71, ranges of transmitted signals: of one, two and four bytes, and of two bits.
+TEST(GroupSignals, WhichRawValuesAreNoValues) {
+  struct Case {
+    unsigned length;
+    std::uint64_t raw;
+    const char* word;  ///< empty: a value
+  };
+  const Case cases[] = {
+      {8, 0xFA, ""},
+      {8, 0xFB, "parameter specific"},
+      {8, 0xFC, "reserved"},
+      {8, 0xFD, "reserved"},
+      {8, 0xFE, "error"},
+      {8, 0xFF, "not available"},
+      {16, 0xFAFF, ""},
+      {16, 0xFB00, "parameter specific"},
+      {16, 0xFBFF, "parameter specific"},
+      {16, 0xFC00, "reserved"},
+      {16, 0xFDFF, "reserved"},
+      {16, 0xFE00, "error"},
+      {16, 0xFF00, "not available"},
+      {32, 0xFAFFFFFF, ""},
+      {32, 0xFB000000, "parameter specific"},
+      {32, 0xFE000000, "error"},
+      {32, 0xFF000000, "not available"},
+      {2, 1, ""},
+      {2, 2, "error"},
+      {2, 3, "not available"},
+      {1, 1, ""},
+      {3, 7, ""},
+      {3, 6, ""},
+      {5, 31, ""},
+      {5, 30, ""},
+      {7, 126, ""},
+      {7, 127, "not available"},
+      {64, 0xFF00000000000000, ""},
+  };
+  for (const Case& one : cases) {
+    const auto file = dbc::read_database("BO_ 2566844158 A: 8 X\n SG_ S : 0|" + std::to_string(one.length) +
+                                         "@1+ (2,0) [0|0] \"\" X\n");
+    std::vector<std::uint8_t> data(8);
+    for (unsigned i = 0; i < 8; ++i) data[i] = static_cast<std::uint8_t>(one.raw >> (8 * i));
+    const auto readings = j1939::client::read_group(file.database.messages().at(0), data);
+    ASSERT_EQ(readings.size(), 1u);
+    EXPECT_EQ(readings[0].word, one.word) << one.length << " bits, " << one.raw;
+    EXPECT_EQ(std::isnan(readings[0].value), *one.word != 0) << one.length << " bits, " << one.raw;
+  }
 }
 
 TEST(GroupSignals, WhatIsNotGivenIsNotAvailable) {
@@ -89,7 +171,16 @@ TEST(GroupSignals, WhatIsWrongIsToldWithWhatThereIs) {
   EXPECT_EQ(wrong("EEC1", {"Speed=1"}),
             "--set: found 'Speed'; allowed: TorqueMode, ActualTorque, EngineSpeed");
   EXPECT_EQ(wrong("EEC1", {"EngineSpeed"}), "--set: found 'EngineSpeed'; allowed: NAME=VALUE");
-  EXPECT_EQ(wrong("EEC1", {"EngineSpeed=9000"}), "--set EngineSpeed: found '9000'; allowed: 0..8191.875 rpm");
+  EXPECT_EQ(wrong("EEC1", {"EngineSpeed=9000"}), "--set EngineSpeed: found '9000'; allowed: 0..8031.875 rpm");
+  EXPECT_EQ(
+      wrong("EEC1", {"EngineSpeed=8032"}),
+      "--set EngineSpeed: found '8032'; allowed: 0..8031.875 rpm; these are the limits in the file: where they are "
+      "wrong, correct them there");
+  EXPECT_EQ(wrong("EEC1", {"EngineSpeed=8031.875"}), "taken") << "the highest value of the file";
+  EXPECT_EQ(wrong("EEC1", {"TorqueMode=unknown"}), "taken");
+  EXPECT_EQ(wrong("Choice", {"First=251"}),
+            "--set First: found '251'; allowed: 0..250; these are the limits in the "
+            "file: where they are wrong, correct them there");
   EXPECT_EQ(wrong("EEC1", {"TorqueMode=fast"}),
             "--set TorqueMode: found 'fast'; allowed: 0..15, 'idle', 'unknown'");
   EXPECT_EQ(wrong("EEC1", {"EngineSpeed=1", "EngineSpeed=2"}), "--set EngineSpeed: it is given twice");

@@ -145,7 +145,7 @@ void MessageLines::tell_missed(const j1939_MessageBatch& batch) {
 }
 
 void MessageLines::show(const ShownMessage& message) {
-  const dbc::Message* const named = names_.find(message.pgn, message.source);
+  const auto [named, others] = names_.find(message.pgn, message.source, message.destination);
   const auto readings =
       named == nullptr ? std::vector<dbc::Reading>() : j1939::client::read_group(*named, message.data);
   if (output_.json()) {
@@ -160,6 +160,7 @@ void MessageLines::show(const ShownMessage& message) {
     message.range ? object.add("range", *message.range) : object.add_null("range");
     object.add("data", bytes_json(message.data));
     add_meaning(named, readings, object);
+    object.add("other_messages", others);
     text_ += object.text() + '\n';
   } else {
     if (shown_ == 0) table_.append_heading(text_);
@@ -171,7 +172,7 @@ void MessageLines::show(const ShownMessage& message) {
     const std::string range = message.range ? std::to_string(*message.range) : "-";
     const std::string length = std::to_string(message.data.size());
     const std::string data = bytes_text(message.data);
-    const std::string meaning = named == nullptr ? "" : meaning_of(*named, readings);
+    const std::string meaning = named == nullptr ? "" : meaning_of(*named, readings, others);
     table_.append(text_, std::array<std::string_view, 10>{time, pgn, priority, source, destination,
                                                           transport_text(message.transport), range, length,
                                                           data, meaning});

@@ -31,13 +31,18 @@ std::string address_line(const j1939_NodeStatus& status) {
   return text;
 }
 
+std::string not_understood(const j1939_NodeStatus& status) {
+  const std::uint64_t count = status.declined_length + status.declined_unknown;
+  return count == 0 ? "" : fmt::format("; {} not understood", count);
+}
+
 std::vector<Explained> lines_of_node(Session& session) {
   const j1939_NodeStatus status = node_status(session);
   return {
       {"address", address_line(status)},
       {"messages received",
-       fmt::format("{} for the daemon or all, {} taken by a range, {} of them not published", status.messages,
-                   status.taken, status.lost)},
+       fmt::format("{} for the daemon or all, {} taken by a range, {} of them not published{}",
+                   status.messages, status.taken, status.lost, not_understood(status))},
       {"in packets", fmt::format("{} whole, {} broken, {} refused, {} under way", status.packets_completed,
                                  status.packets_broken, status.packets_refused, status.transports)},
       {"messages sent",

@@ -1,7 +1,7 @@
-// Groups that the node sends by itself.
-#include <gtest/gtest.h>
+// Groups that the node provides: those that it sends periodically, and answers to requests.
+#include "j1939/provider.h"
 
-#include "node_rig.h"
+#include "j1939/node_fixture.h"
 
 namespace j1939::test {
 namespace {
@@ -130,6 +130,30 @@ TEST(Periodic, J13WhatWentByIsLeftOut) {
   EXPECT_EQ(of(rig.pump(), 0x18FEE580).size(), 1u);
   EXPECT_EQ(of(rig.run(milliseconds(49)), 0x18FEE580).size(), 0u);
   EXPECT_EQ(of(rig.run(milliseconds(1)), 0x18FEE580).size(), 1u) << "the grid stays";
+}
+
+TEST_F(NodeTest, AnswersRequestsForWhatItProvides) {
+  EXPECT_EQ(rig.hear(frame(0x18EA8021, {0xE5, 0xFE, 0x00})),
+            std::vector{frame(0x18FEE580, {1, 2, 3, 4, 5, 6, 7, 8})});
+  EXPECT_EQ(rig.hear(frame(0x18EA8021, {0xEB, 0xFE, 0x00})),
+            std::vector{frame(0x18EC2180, {16, 20, 0, 3, 255, 0xEB, 0xFE, 0x00})})
+      << "a long one, to who asked";
+  EXPECT_EQ(rig.hear(frame(0x18EAFF22, {0xEB, 0xFE, 0x00})),
+            std::vector{frame(0x18ECFF80, {32, 20, 0, 3, 255, 0xEB, 0xFE, 0x00})})
+      << "asked of all: to all";
+  EXPECT_TRUE(rig.hear(frame(0x18EA8021, {0xEC, 0xFE, 0x00})).empty()) << "a client answers";
+}
+
+TEST_F(NodeTest, RefusesRequestsForWhatItDoesNotProvideUnlessAllWereAsked) {
+  EXPECT_EQ(rig.hear(frame(0x18EA8021, {0xCA, 0xFE, 0x00})),
+            std::vector{frame(0x18E8FF80, {1, 255, 255, 255, 0x21, 0xCA, 0xFE, 0x00})});
+  EXPECT_TRUE(rig.hear(frame(0x18EAFF21, {0xCA, 0xFE, 0x00})).empty());
+}
+
+TEST_F(NodeTest, RequestsOfOthersCannotFillItsMemory) {
+  for (int i = 0; i < 1000; ++i) (void)rig.node.receive(frame(0x18EA8021, {0xE5, 0xFE, 0x00}), rig.now);
+  EXPECT_EQ(rig.pump().size(), FrameQueue::kMost);
+  EXPECT_EQ(rig.node.answers_lost(), 1000 - FrameQueue::kMost);
 }
 
 }  // namespace

@@ -5,12 +5,12 @@
 #include <fstream>
 #include <string>
 
-namespace cansync::test {
+namespace test {
 
-/// The table that follows the line `marker` of docs/cansync-protocol.md, up to an empty line.
-inline std::string documented_table(const std::string& marker) {
-  std::ifstream file(CANSYNC_PROTOCOL_DOC);
-  EXPECT_TRUE(file) << CANSYNC_PROTOCOL_DOC;
+/// The table that follows the line `marker` of the file `document`, up to an empty line.
+inline std::string documented_table(const std::string& document, const std::string& marker) {
+  std::ifstream file(document);
+  EXPECT_TRUE(file) << document;
   std::string line;
   while (std::getline(file, line) && line != marker) {
   }
@@ -45,11 +45,12 @@ std::string table_of_next(unsigned states, unsigned events) {
 
 /// Every pair gives what the document says.
 template <class State, class Event>
-void expect_documented(const std::string& marker, unsigned states, unsigned events) {
+void expect_documented(const std::string& document, const std::string& marker, unsigned states,
+                       unsigned events) {
   const std::string expected = table_of_next<State, Event>(states, events);
-  EXPECT_EQ(documented_table(marker), expected)
-      << "docs/cansync-protocol.md and the code differ. Of the code:\n"
+  EXPECT_EQ(documented_table(document, marker), expected)
+      << document << " and the code differ. Of the code:\n"
       << expected;
 }
 
-}  // namespace cansync::test
+}  // namespace test
