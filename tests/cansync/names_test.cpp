@@ -14,7 +14,7 @@
 #include "cansync/supervision/slave_state.h"
 #include "cansync/telegram/errors.h"
 #include "cansync/telegram/telegram.h"
-#include "documented_table.h"
+#include "support/documented_table.h"
 
 namespace cansync {
 namespace {
@@ -64,7 +64,8 @@ TEST(Names, SlaveStates) {
 
 // One word for one state: of the code, and of the table in the document.
 TEST(Names, OperatingStatesAsTheDocumentHasThem) {
-  const std::string table = test::documented_table("<!-- words for the operating states -->");
+  const std::string table =
+      ::test::documented_table(CANSYNC_PROTOCOL_DOC, "<!-- words for the operating states -->");
   for (const State state :
        {State::start_up, State::waiting_for_initialisation, State::waiting_for_start, State::setting_up_slave,
         State::active_slave, State::setting_up_master, State::active_master}) {

@@ -6,7 +6,7 @@
 
 #include <set>
 
-#include "documented_table.h"
+#include "support/documented_table.h"
 
 namespace cansync {
 namespace {
@@ -19,7 +19,8 @@ constexpr SlaveEvent event_at(unsigned index) {
 }
 
 TEST(SlaveStates, FollowTheDocumentedTable) {
-  test::expect_documented<SlaveState, SlaveEvent>("<!-- states of a slave -->", kSlaveStates, kSlaveEvents);
+  ::test::expect_documented<SlaveState, SlaveEvent>(CANSYNC_PROTOCOL_DOC, "<!-- states of a slave -->",
+                                                    kSlaveStates, kSlaveEvents);
 }
 
 TEST(SlaveStates, EachIsReachedFromTheFirst) {

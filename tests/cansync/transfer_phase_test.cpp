@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "documented_table.h"
+#include "support/documented_table.h"
 
 namespace cansync {
 namespace {
@@ -17,8 +17,8 @@ constexpr TransferEvent event_at(unsigned index) {
 }
 
 TEST(TransferPhases, FollowTheDocumentedTable) {
-  test::expect_documented<TransferPhase, TransferEvent>("<!-- phases of a transfer -->", kTransferPhases,
-                                                        kTransferEvents);
+  ::test::expect_documented<TransferPhase, TransferEvent>(
+      CANSYNC_PROTOCOL_DOC, "<!-- phases of a transfer -->", kTransferPhases, kTransferEvents);
 }
 
 TEST(TransferPhases, EachEndsAndNoneGoesOnAfterTheEnd) {

@@ -100,7 +100,10 @@ SteadyTime SlaveGateway::pass(bool samples_may_wait) {
   }
   const SteadyTime status_due = publish_status(now);
   const SteadyTime due =
-      earliest(status_due, {releases_.tick(now), application_.tick(now), commands_.retry(context(now))}, now);
+      earliest(status_due,
+               {releases_.tick(now), application_.tick(now), commands_.retry(context(now)),
+                status_line_.step([this] { return slave_sentence(snapshot_, config_); }, now)},
+               now);
   return more ? now : due;
 }
 

@@ -1,5 +1,7 @@
 #include "daemon/cansync_slave/gateway/slave_status.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <iterator>
@@ -7,6 +9,7 @@
 
 #include "cansync/settings/timing.h"
 #include "cansync_slave/dds/convert.h"
+#include "daemon/status/status_line.h"
 #include "dds/bounded_text.h"
 
 namespace cansyncd {
@@ -154,6 +157,26 @@ void put_application(const WriterArbiter& arbiter, const TakeOver& taken,
   sample.applications_refused = arbiter.refused();
   sample.taken_over = static_cast<std::uint32_t>(taken.taken.numbers.count());
   sample.takes_blocks = taken.blocks;
+}
+
+std::string slave_sentence(const SlaveSnapshot& snapshot, const SlaveRoleConfig& config) {
+  std::string state = fmt::format("slave {}: {}", config.slave.number.value(), cansync::name(snapshot.state));
+  switch (snapshot.fault) {
+    case cansync::SlaveFault::sync_lost:
+      state += "; no SYNC of the master";
+      break;
+    case cansync::SlaveFault::references_missing:
+      state += "; no reference values";
+      break;
+    case cansync::SlaveFault::none:
+      if (!snapshot.activated)
+        state += "; not activated by the master";
+      else if (!snapshot.synchronized)
+        state += "; not synchronized";
+  }
+  BusConfig bus = config.bus;
+  bus.bits_per_second = cansync::slot_times(config.slave.bit_rate).bits_per_second;
+  return bus_sentence(state, snapshot.controller, bus);
 }
 
 bool differs(const SlaveSnapshot& from, const SlaveSnapshot& to) noexcept {

@@ -22,6 +22,10 @@ void put_application(const WriterArbiter& arbiter, const TakeOver& taken,
 std::string_view word_of(cansync::SlaveFault fault) noexcept;
 std::string_view word_of(cansync::SlaveReaction reaction) noexcept;
 
+/// The slave in one sentence, for `systemctl status`: what keeps the bus from being used, else operating state, what is wrong
+/// with it, bus and bit rate. Pure; allocates.
+std::string slave_sentence(const SlaveSnapshot& snapshot, const SlaveRoleConfig& config);
+
 /// Does `to` differ from `from` in more than counters, so that clients are told at once?
 bool differs(const SlaveSnapshot& from, const SlaveSnapshot& to) noexcept;
 

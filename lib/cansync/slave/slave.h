@@ -1,108 +1,20 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <span>
 
 #include "can/frame.h"
 #include "cansync/settings/mode.h"
 #include "cansync/settings/timing.h"
 #include "cansync/slave/answer_slot.h"
-#include "cansync/telegram/errors.h"
+#include "cansync/slave/slave_application.h"
+#include "cansync/slave/transfer_server.h"
 #include "cansync/telegram/mapping.h"
 #include "cansync/telegram/numbers.h"
 #include "cansync/telegram/telegram.h"
 
 namespace cansync {
-
-/// Answer of a slave's application to one parameter access.
-struct ParameterAnswer {
-  bool busy = false;  ///< not ready: the master asks again
-  ParameterError error = ParameterError::none;
-  bool doubleword = false;  ///< format of the parameter
-  std::uint32_t value = 0;  ///< read: the value
-
-  /// It takes longer.
-  static ParameterAnswer later() noexcept { return {.busy = true}; }
-  /// With an error number.
-  static ParameterAnswer refused(ParameterError error) noexcept { return {.error = error}; }
-};
-
-/// What stands behind a slave: parameters, memory and control word. Called on the slave's thread; must not
-/// allocate, block or throw, nor call the slave.
-class SlaveApplication {
- public:
-  /// Answer to one step of an upload or download.
-  struct BlockAnswer {
-    bool busy = false;  ///< not ready: the master sends the same telegram again
-    TransferError error =
-        TransferError::none;   ///< `cancelled_by_slave` closes the block, others leave it open
-    std::uint16_t length = 0;  ///< `begin_block` of an upload: length fixed by the slave; 0 = as asked
-
-    /// It takes longer.
-    static BlockAnswer later() noexcept { return {.busy = true}; }
-    /// With an error number.
-    static BlockAnswer refused(TransferError error) noexcept { return {.error = error}; }
-  };
-
-  virtual ~SlaveApplication() = default;
-
-  /// Reads element 0..7 of a parameter; 7 is the value.
-  virtual ParameterAnswer read_parameter(ParameterNumber number, Element element, SubSlave sub) noexcept = 0;
-
-  /// Writes a parameter; the element is always 7 (others are refused before). Answers `wrong_format` when
-  /// `doubleword` is not the parameter's format.
-  virtual ParameterAnswer write_parameter(ParameterNumber number, Element element, SubSlave sub,
-                                          bool doubleword, std::uint32_t value) noexcept = 0;
-
-  /// The parameter access answered busy last is dropped: the master has asked for another one. Also when the
-  /// slave leaves synchronous operation, for one whose answer was not on the bus.
-  virtual void parameter_dropped() noexcept {}
-
-  /// The write answered last comes again, and its answer was never on the bus. False: that was too long ago,
-  /// and it is a write of its own; else it gets the same answer.
-  virtual bool keeps_answer() noexcept { return true; }
-
-  /// Begins a block. For an upload the answer may fix another length, 1..4095 bytes. Asked again with the
-  /// same telegram while it answers busy.
-  virtual BlockAnswer begin_block(const TransferInitialise& initialise) noexcept = 0;
-
-  /// False: the block begun last is over by itself, and the master has not learnt it yet. The same beginning
-  /// is then asked for again instead of being answered as before.
-  virtual bool block_open() const noexcept { return true; }
-
-  /// Fills up to 6 bytes at `offset` of the block begun last; `out` is as long as the block still has bytes.
-  virtual BlockAnswer read_block(std::uint16_t offset, std::span<std::uint8_t> out) noexcept = 0;
-
-  /// Takes up to 6 bytes at `offset` of the block begun last; padding of the last telegram is not in `data`.
-  virtual BlockAnswer write_block(std::uint16_t offset, std::span<const std::uint8_t> data) noexcept = 0;
-
-  /// The block is complete (`complete`), or it was cancelled or replaced. Also called with false for a block
-  /// that `begin_block` answered busy and the master then dropped.
-  virtual void end_block(bool complete) noexcept = 0;
-
-  /// The answer to the parameter access, other than busy, was on the bus (M 3.2.3.7: bit 6 is cleared).
-  virtual void parameter_answered() noexcept {}
-
-  /// The answer to the newest transfer telegram, other than busy, was on the bus (bit 6 is cleared).
-  virtual void transfer_answered() noexcept {}
-
-  /// The answer to the last telegram of a complete block was not on the bus, and the master does not wait for
-  /// it any more: it has cancelled the block or sent what is no part of one, or the slave left synchronous
-  /// operation.
-  virtual void transfer_dropped() noexcept {}
-
-  /// The action "SYNC mode: activate" arrived, for the first time or again.
-  virtual void sync_activated() noexcept {}
-
-  /// A control word arrived (action command 1).
-  virtual void control_word(std::uint16_t word) noexcept = 0;
-
-  /// Any other action command 2..255 arrived, also that of "SYNC mode" with other data (M 3.2.3.7).
-  virtual void action(std::uint8_t command, std::uint8_t data_byte, std::uint16_t data_word) noexcept = 0;
-};
 
 /// Settings of one slave.
 struct SlaveSideSettings {
@@ -245,17 +157,9 @@ class Slave {
   const SlaveSideSettings& settings() const noexcept { return settings_; }
 
   /// True while an upload or download block is open.
-  bool transfer_open() const noexcept { return transfer_.phase == OpenBlock::Phase::open; }
+  bool transfer_open() const noexcept { return transfers_.open(); }
 
  private:
-  struct OpenBlock {
-    enum class Phase : std::uint8_t { none, beginning, open };  ///< `beginning`: begin_block answered busy
-    Phase phase = Phase::none;
-    TransferInitialise initialise;
-    std::uint16_t length = 0;
-    std::uint16_t expected = 0;  ///< next offset
-  };
-
   enum class Answered : std::uint8_t { none, parameter, transfer };
 
   std::optional<can::Frame> answer(const Telegram& telegram) noexcept;
@@ -263,24 +167,9 @@ class Slave {
   std::optional<can::Frame> answer(const ParameterCommand& command) noexcept;
   void forget_interval() noexcept;
   void note_answer(bool busy, Answered kind) noexcept;
-  /// Answers a transfer telegram to this slave; one answered well before gets the remembered answer.
+  /// Answers a transfer telegram.
   template <class Command>
   std::optional<can::Frame> serve_transfer(const Command& command) noexcept;
-  template <class Command>
-  bool is_answered(const Command& command) noexcept;
-  TransferReply answer(const TransferInitialise& initialise) noexcept;
-  TransferReply answer(const UploadBlock& block) noexcept;
-  TransferReply answer(const DownloadBlock& block) noexcept;
-  TransferError check_length(const TransferInitialise& initialise) const noexcept;
-  TransferError check_order(TransferInitialise::Direction direction, BlockOffset offset,
-                            bool last) const noexcept;
-  /// The reply to a block telegram with the application's answer; moves on to the next block.
-  TransferReply block_done(BlockOffset offset, bool last,
-                           const SlaveApplication::BlockAnswer& answer) noexcept;
-  TransferReply refuse(BlockOffset offset, TransferError error) const noexcept;
-  void drop_transfer() noexcept;
-  void drop_last_answer() noexcept;
-  std::size_t bytes_due() const noexcept;
   void take(const ActionCommand& action) noexcept;
   void take(const ActualTelegram& telegram) noexcept;
 
@@ -310,13 +199,10 @@ class Slave {
   SlaveSideSettings settings_;
   SlaveApplication& application_;
   std::optional<ParameterCommand> pending_;  ///< answered busy
-  OpenBlock transfer_;
-  bool ending_ = false;  ///< the last answer to a complete block was not on the bus yet
+  TransferServer transfers_;
   ResponseCounters responses_;
   std::optional<ParameterCommand> written_;  ///< a write whose answer was not on the bus yet
   can::Frame written_answer_;                ///< that answer
-  std::optional<Telegram> answered_;         ///< transfer telegram answered last, without busy or error
-  can::Frame last_answer_;                   ///< its answer
   std::array<Values, kSlaves> monitored_ = {};
   std::array<std::array<std::uint32_t, kChannels>, kSlaves> monitored_count_ = {};
   std::array<std::array<IntervalNumber, kChannels>, kSlaves> monitored_interval_ = {};

@@ -402,9 +402,8 @@ TEST(ClusterCampaign, K5K9K13FindsEveryMutant) {
   for (unsigned mutant = 1; mutant <= static_cast<unsigned>(ClusterMutant::speaks_unasked); ++mutant) {
     ClusterTotals totals;
     unsigned found = 0;
-    for (unsigned seed = 1; seed <= 60; ++seed)
+    for (unsigned seed = 1; seed <= 60 && found < 2; ++seed)
       found += ClusterCourse(seed, static_cast<ClusterMutant>(mutant)).run(totals).empty() ? 0 : 1;
-    RecordProperty("mutant " + std::to_string(mutant), static_cast<int>(found));
     EXPECT_GT(found, 1u) << "mutant " << mutant;
   }
 }
