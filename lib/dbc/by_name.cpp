@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <utility>
 #include <vector>
 
 #include "dbc/encode.h"
@@ -34,12 +37,37 @@ std::variant<const Named*, std::string> by_name(const std::vector<Named>& all, s
   return fmt::format("found '{}'; allowed: {}", name, names_of(all));
 }
 
-std::string allowed_text(const Signal& signal) {
+/// What its bits can be and the file allows.
+std::pair<double, double> allowed_range(const Signal& signal) {
   const auto [lowest, highest] = range_of(signal);
+  if (!signal.limits) return {lowest, highest};
+  return {std::max(lowest, signal.limits->first), std::min(highest, signal.limits->second)};
+}
+
+/// A value that is rounded to the limit is within it.
+bool keeps_limits(const Signal& signal, double value) {
+  if (!signal.limits) return true;
+  const double rounding = std::abs(signal.factor) / 1000;
+  return value >= signal.limits->first - rounding && value <= signal.limits->second + rounding;
+}
+
+bool keeps_limits(const Signal& signal, std::string_view digits) {
+  double value = 0;
+  std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  return keeps_limits(signal, value);
+}
+
+std::string allowed_text(const Signal& signal) {
+  const auto [lowest, highest] = allowed_range(signal);
   std::string words;
   for (const auto& [raw, word] : signal.words) words += fmt::format(", '{}'", word);
   return fmt::format("allowed: {:.10g}..{:.10g}{}{}{}", lowest, highest, signal.unit.empty() ? "" : " ",
                      signal.unit, words);
+}
+
+/// What `is_refused`, a value that its bits could be, is told beyond what is allowed.
+std::string_view why(bool is_refused) {
+  return is_refused ? "; these are the limits in the file: where they are wrong, correct them there" : "";
 }
 
 std::string text_refused(const Signal& signal) {
@@ -59,7 +87,9 @@ std::variant<const Signal*, std::string> signal_by_name(const Message& message, 
 
 std::variant<std::uint64_t, std::string> bits_of(const Signal& signal, std::string_view value) {
   if (signal.kind == NumberKind::text) return text_refused(signal);
-  const auto number = raw_of_digits(signal, value);
+  const auto digits = raw_of_digits(signal, value);
+  const bool is_number = digits.has_value() && keeps_limits(signal, value);
+  const std::uint64_t number = digits.value_or(0);
   std::vector<std::int64_t> named;
   for (const auto& [raw, word] : signal.words)
     if (word == value) named.push_back(raw);
@@ -67,19 +97,20 @@ std::variant<std::uint64_t, std::string> bits_of(const Signal& signal, std::stri
     return fmt::format("found '{}', which is the name of the raw values {} and {}; allowed: a number", value,
                        named[0], named[1]);
   const auto word = raw_of(signal, value);
-  if (number && word && *number != *word)
+  if (is_number && word && number != *word)
     return fmt::format(
         "found '{0}', which is a number and the name of raw value {1}; allowed: another form of the number, such as {0}e0",
         value, named[0]);
-  if (number) return *number;
+  if (is_number) return number;
   if (word) return *word;
-  return fmt::format("found '{}'; {}", value, allowed_text(signal));
+  return fmt::format("found '{}'; {}{}", value, allowed_text(signal), why(digits.has_value()));
 }
 
 std::variant<std::uint64_t, std::string> bits_of(const Signal& signal, double value) {
   if (signal.kind == NumberKind::text) return text_refused(signal);
-  if (const auto raw = raw_of(signal, value)) return *raw;
-  return fmt::format("found {:.10g}; {}", value, allowed_text(signal));
+  const auto raw = raw_of(signal, value);
+  if (raw && keeps_limits(signal, value)) return *raw;
+  return fmt::format("found {:.10g}; {}{}", value, allowed_text(signal), why(raw.has_value()));
 }
 
 }  // namespace dbc

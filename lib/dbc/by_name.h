@@ -15,7 +15,8 @@ std::variant<const Message*, std::string> message_by_name(const Database& databa
 
 std::variant<const Signal*, std::string> signal_by_name(const Message& message, std::string_view name);
 
-/// The bits of a value: digits in the signal's unit, or the name of a value.
+/// The bits of a value: digits in the signal's unit, within the limits of the file if it has any, or the name of a
+/// value.
 std::variant<std::uint64_t, std::string> bits_of(const Signal& signal, std::string_view value);
 /// Likewise of a number in the signal's unit.
 std::variant<std::uint64_t, std::string> bits_of(const Signal& signal, double value);

@@ -34,10 +34,8 @@ double number_of(const Signal& signal, std::uint64_t raw) noexcept {
 }
 
 std::string_view word_of(const Signal& signal, std::uint64_t raw) noexcept {
-  const std::int64_t wanted = signal.kind == NumberKind::signed_integer ? sign_extended(raw, signal.length)
-                                                                        : static_cast<std::int64_t>(raw);
   const auto found = std::find_if(signal.words.begin(), signal.words.end(),
-                                  [wanted](const auto& word) { return word.first == wanted; });
+                                  [&](const auto& word) { return raw_of_named(signal, word.first) == raw; });
   return found == signal.words.end() ? std::string_view() : std::string_view(found->second);
 }
 
@@ -45,9 +43,10 @@ auto place_of(const Message& message) noexcept {
   return std::make_tuple(message.extended, message.identifier);
 }
 
-/// The characters of a text that lies in `data`.
+/// The characters of a text, as many as `data` has: a text is as long as it is, up to what the file says.
 std::string characters_of(const Signal& signal, std::span<const std::uint8_t> data) {
-  const auto bytes = data.subspan(signal.start / kByteBits, signal.length / kByteBits);
+  const auto behind = data.subspan(signal.start / kByteBits);
+  const auto bytes = behind.first(std::min<std::size_t>(signal.length / kByteBits, behind.size()));
   const std::string_view all(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   return as_utf8(all.substr(0, all.find('\0')));
 }
@@ -62,6 +61,26 @@ bool lies_in(const Signal& signal, std::size_t bytes) noexcept {
       signal.little_endian ? kByteBits - signal.start % kByteBits : signal.start % kByteBits + 1;
   const std::size_t more = bits > in_first ? (bits - in_first + kByteBits - 1) / kByteBits : 0;
   return first + more < bytes;
+}
+
+std::optional<std::uint64_t> raw_of_named(const Signal& signal, std::int64_t number) noexcept {
+  constexpr unsigned kMostBits = 64;
+  switch (signal.kind) {
+    case NumberKind::text:
+      return std::nullopt;
+    case NumberKind::float32:
+      return std::bit_cast<std::uint32_t>(static_cast<float>(number));
+    case NumberKind::float64:
+      return std::bit_cast<std::uint64_t>(static_cast<double>(number));
+    case NumberKind::unsigned_integer:
+    case NumberKind::signed_integer:
+      break;
+  }
+  const auto bits = static_cast<std::uint64_t>(number);
+  if (signal.length >= kMostBits) return bits;
+  const std::int64_t numbers = std::int64_t{1} << (signal.length - 1);  // half of those that it has
+  if (number < -numbers || number > 2 * (numbers - 1) + 1) return std::nullopt;
+  return bits & ((std::uint64_t{1} << signal.length) - 1);
 }
 
 std::optional<std::uint64_t> raw_bits(const Signal& signal, std::span<const std::uint8_t> data) noexcept {
@@ -102,11 +121,13 @@ bool is_chosen(const Message& message, const Signal& signal, std::span<const std
 std::vector<Reading> read_signals(const Message& message, std::span<const std::uint8_t> data) {
   std::vector<Reading> readings;
   for (const Signal& signal : message.signals) {
-    if (!lies_in(signal, data.size()) || !is_chosen(message, signal, data)) continue;
+    if (!is_chosen(message, signal, data)) continue;
     if (signal.kind == NumberKind::text) {
-      readings.push_back({&signal, 0, 0.0, {}, characters_of(signal, data)});
+      if (signal.start / kByteBits < data.size())
+        readings.push_back({&signal, 0, 0.0, {}, characters_of(signal, data)});
       continue;
     }
+    if (!lies_in(signal, data.size())) continue;
     const auto raw = raw_bits(signal, data);
     if (!raw) continue;
     readings.push_back(

@@ -34,8 +34,10 @@ struct Signal {
   bool little_endian =
       true;  ///< `start` is the lowest bit; false: the highest, and it goes on to lower bits and later bytes
   NumberKind kind = NumberKind::unsigned_integer;
-  double factor = 1.0;              ///< value = raw * factor + offset
-  double offset = 0.0;              ///< in `unit`
+  double factor = 1.0;  ///< value = raw * factor + offset
+  double offset = 0.0;  ///< in `unit`
+  std::optional<std::pair<double, double>>
+      limits;                       ///< lowest and highest value that the file allows, in `unit`
   bool chooses = false;             ///< its raw value says which of the others are there (multiplexor)
   std::optional<Choice> chosen_by;  ///< nothing: it is there always. No chain of choices returns to its begin
   std::vector<std::pair<std::int64_t, std::string>> words;  ///< raw values that have a name
@@ -54,20 +56,24 @@ struct Message {
 struct Reading {
   const Signal* signal = nullptr;  ///< lives as long as its message
   std::uint64_t raw = 0;           ///< its bits; 0 of a text
-  double value = 0.0;              ///< in the signal's unit; 0 of a text
-  std::string_view word;           ///< the name of this raw value; empty: it has none
-  std::string text;                ///< of a text: its bytes before the first 0, UTF-8
+  double value = 0.0;     ///< in the signal's unit; 0 of a text; not a number: `word` says why there is none
+  std::string_view word;  ///< the name of this raw value; empty: it has none
+  std::string text;       ///< of a text: its bytes before the first 0 or the end of the data, UTF-8
 };
 
 /// Do all bits of the signal lie in a message of so many bytes?
 bool lies_in(const Signal& signal, std::size_t bytes) noexcept;
 
+/// The bits that a file means with the number of a named value (Signal::words), which may be signed or not whatever the
+/// signal is; nothing when its bits cannot be that.
+std::optional<std::uint64_t> raw_of_named(const Signal& signal, std::int64_t number) noexcept;
+
 /// The bits of a signal that is no text in `data`, which may be shorter than its message; nothing when not all
 /// of them are there.
 std::optional<std::uint64_t> raw_bits(const Signal& signal, std::span<const std::uint8_t> data) noexcept;
 
-/// The signals that are in `data`, in the order of the file: those whose bits are all there and that their
-/// multiplexors, if they have any, choose.
+/// The signals that are in `data`, in the order of the file: those whose bits are all there, of texts the first byte, and
+/// that their multiplexors, if they have any, choose.
 std::vector<Reading> read_signals(const Message& message, std::span<const std::uint8_t> data);
 
 /// Do the multiplexors of the signal, in these data, choose it?

@@ -126,7 +126,7 @@ std::optional<std::uint64_t> raw_of(const Signal& signal, std::string_view word)
   const auto found = std::find_if(signal.words.begin(), signal.words.end(),
                                   [word](const auto& one) { return one.second == word; });
   if (found == signal.words.end()) return std::nullopt;
-  return static_cast<std::uint64_t>(found->first) & ones(signal.length);
+  return raw_of_named(signal, found->first);
 }
 
 bool write_bits(const Signal& signal, std::uint64_t raw, std::span<std::uint8_t> data) noexcept {

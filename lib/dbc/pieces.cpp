@@ -50,6 +50,11 @@ void Pieces::end_line() {
   line_ = 0;
 }
 
+bool Pieces::at_foreign_line() const noexcept {
+  const Token& next = tokens_.next();
+  return next.first && next.kind != Token::Kind::end && !is_keyword(next.text);
+}
+
 Token Pieces::take(Token::Kind kind, std::string_view expected) {
   if (next().kind != kind || next().broken) throw Wrong{next(), std::string(expected)};
   return take();
@@ -79,6 +84,14 @@ double Pieces::take_real(std::string_view what) {
   const auto value = number_of<double>(token.text);
   if (!value || !std::isfinite(*value)) throw Wrong{token, std::string(what)};
   return *value;
+}
+
+std::optional<double> Pieces::take_real_if() {
+  if (!next_is(Token::Kind::number)) return std::nullopt;
+  const auto value = number_of<double>(next().text);
+  if (!value || !std::isfinite(*value)) return std::nullopt;
+  (void)take();
+  return value;
 }
 
 std::int64_t Pieces::take_raw() {

@@ -35,6 +35,10 @@ class Pieces {
   /// Leaves the line; what is left of it is passed over.
   void end_line();
   std::optional<Token> skip_statement() { return tokens_.skip_statement(); }
+  /// Does the next piece begin a line that is part of no statement, in the place where one is to begin?
+  bool at_foreign_line() const noexcept;
+  /// Leaves the line in which the next piece begins.
+  void skip_line() { tokens_.skip_line(); }
 
   Token take(Token::Kind kind, std::string_view expected);
   void take_sign(char sign);
@@ -42,6 +46,8 @@ class Pieces {
   bool take_if(char sign);
   std::uint64_t take_unsigned(std::uint64_t most, std::string_view what);
   double take_real(std::string_view what);
+  /// Nothing: what comes is no finite number, and stays.
+  std::optional<double> take_real_if();
   /// A raw value; one over 63 bits becomes its two's complement.
   std::int64_t take_raw();
 

@@ -12,6 +12,7 @@
 #include <unordered_map>
 
 #include "dbc/choices.h"
+#include "dbc/encode.h"
 #include "dbc/foreign_text.h"
 #include "dbc/pieces.h"
 #include "text/counts.h"
@@ -72,6 +73,7 @@ class Reader {
   // ---- statements ----
 
   void read_statement() {
+    if (pieces_.next_is('#') && pieces_.at_foreign_line()) return leave_line("a statement of a DBC file");
     const Token word = pieces_.take();
     try {
       if (word.kind == Token::Kind::word && word.text == "BO_") return read_message(word);
@@ -94,6 +96,13 @@ class Reader {
                          found_text(word)));
     if (const auto broken = pieces_.skip_statement())
       remark(*broken, "found a text that does not end; it is left out up to the next statement");
+  }
+
+  /// A line of its own among the statements, such as a remark.
+  void leave_line(std::string_view allowed) {
+    remark(pieces_.next(),
+           fmt::format("found {}; allowed: {}; the line is left out", found_text(pieces_.next()), allowed));
+    pieces_.skip_line();
   }
 
   /// A signal that is below no message: the remark on the message says it of all of them.
@@ -132,7 +141,14 @@ class Reader {
     message_left_out_ = false;
     if (pieces_.next().text != "SG_") leave_rest_of_line();
     pieces_.begin_line(0);
-    while (pieces_.next_is(Token::Kind::word) && pieces_.next().text == "SG_") add_signal(open);
+    for (;;) {
+      if (pieces_.next_is(Token::Kind::word) && pieces_.next().text == "SG_")
+        add_signal(open);
+      else if (pieces_.at_foreign_line())
+        leave_line("a signal (SG_), or a statement of a DBC file");
+      else
+        break;
+    }
     place_.emplace(number, messages_.size());
     messages_.push_back(std::move(open));
   }
@@ -234,7 +250,11 @@ class Reader {
     signal.offset = pieces_.take_real("an offset");
     pieces_.take_sign(')');
     pieces_.take_sign('[');
-    // The limits count for nothing here; tools write 1.#INF there and worse.
+    const auto lowest = pieces_.take_real_if();
+    const bool both = pieces_.take_if('|');
+    const auto highest = pieces_.take_real_if();
+    // Tools write 1.#INF there and worse, which is no limit.
+    const bool readable = both && lowest && highest && pieces_.next_is(']');
     while (!pieces_.next_is(']') && !pieces_.next_is(Token::Kind::text) &&
            !pieces_.next_is(Token::Kind::line_end) && !pieces_.next_is(Token::Kind::end))
       (void)pieces_.take();
@@ -244,6 +264,8 @@ class Reader {
       remark(factor, "found a factor of 0, with which every value would be the same; taken as 1");
       signal.factor = 1.0;
     }
+    // Two equal ones, mostly 0, are how tools write that there are none.
+    if (readable && *lowest != *highest) signal.limits = std::minmax(*lowest, *highest);
   }
 
   void read_receivers() {
@@ -391,12 +413,27 @@ class Reader {
   // ---- when all is read ----
 
   void close(OpenMessage& open) {
+    for (std::size_t i = 0; i < open.message.signals.size(); ++i)
+      check_limits(open.message.signals[i], open.places[i]);
     for (auto& [signal, name] : open.long_names) open.message.signals[signal].name = std::move(name);
     std::vector<std::string> names;
     for (const Signal& signal : open.message.signals) names.push_back(signal.name);
     open.choices.resolve(open.message, [&](std::size_t signal, const std::string& why) {
       remark(open.places[signal], fmt::format("signal {}: {}; it is left out", names[signal], why));
     });
+  }
+
+  /// With limits that none of its values keeps it could never be sent.
+  void check_limits(Signal& signal, const Token& place) {
+    if (!signal.limits || signal.kind == NumberKind::text) return;
+    const auto [lowest, highest] = range_of(signal);
+    if (signal.limits->first <= highest && signal.limits->second >= lowest) return;
+    remark(place,
+           fmt::format(
+               "signal {}: found the limits {:.10g}..{:.10g}; allowed: within {:.10g}..{:.10g}, which is "
+               "what its bits can be; the limits are left out",
+               signal.name, signal.limits->first, signal.limits->second, lowest, highest));
+    signal.limits.reset();
   }
 
   std::string_view text_;

@@ -142,8 +142,10 @@ def compare(seed, folder):
         assert set(got) == set(expected), (where, sorted(got), sorted(expected))
         for name, decoded in expected.items():
             assert same(got[name]["value"], decoded), (where, name, got[name], decoded.phys_value)
-            # The DBC documents name raw values; canmatrix's own `named_value` compares them with the scaled one.
-            named = {int(raw): word for raw, word in decoded.signal.values.items()}.get(decoded.raw_value, "")
+            # The DBC documents name raw values, by their bits; canmatrix's own `named_value` compares them with the scaled one.
+            bits = 2 ** decoded.signal.size
+            names = {int(raw) % bits: word for raw, word in decoded.signal.values.items() if int(raw) < bits}
+            named = names.get(decoded.raw_value % bits, "") if names else ""
             assert got[name]["word"] == named, (where, name, got[name], named)
             values += 1
     return values

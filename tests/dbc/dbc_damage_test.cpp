@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <random>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -54,7 +55,14 @@ TEST(DbcDamage, OtherStatementsCostNothingOfAMessage) {
       {"ranges of an unknown signal", "", "SG_MUL_VAL_ 291 Nope Speed 1-1;\n", "found 'Nope'"},
       {"ranges of what is no multiplexor", "", "SG_MUL_VAL_ 291 Speed Speed 1-1;\n", "a multiplexor (M)"},
       {"an attribute with a mark", "BA_ \"Path\" \"C:\\dir\\\";\n", "", ""},
-      {"a word that is none", "", "<<<<<<< HEAD\n", "allowed: a statement of a DBC file"},
+      {"a word that is none", "<<<<<<< HEAD\n", "", "allowed: a statement of a DBC file"},
+      {"a word that is none, behind signals", "", "<<<<<<< HEAD\n",
+       "allowed: a signal (SG_), or a statement"},
+      {"a line that begins with #", "# BO_ 7 Old: 8 \"ECU;\n", "", "found '#'; allowed: a statement"},
+      {"the same, alone", "#\n", "", "found '#'; allowed: a statement"},
+      {"limits of which one is none", "", " SG_ B : 16|8@1+ (1,0) [0|Inf] \"\" X\n", ""},
+      {"limits that its bits cannot reach", "", " SG_ B : 16|8@1+ (1,0) [300|400] \"\" X\n",
+       "found the limits 300..400; allowed: within 0..255"},
       {"a message cut in its header", "BO_ 5 Oth\n SG_ A : 0|8@1+ (1,0) [0|0] \"\" X\n", "", "allowed: ':'"},
       {"a signal of no message", " SG_ A : 0|8@1+ (1,0) [0|0] \"\" X\n", "", "below its message"},
       {"a message that comes twice", "", kMotor, "the number of an earlier message"},
@@ -99,6 +107,19 @@ TEST(DbcDamage, ASignalThatIsWrongCostsItselfAlone) {
     ASSERT_EQ(file.remarks.size(), 1u) << one.what;
     EXPECT_EQ(file.remarks[0].line, 3u) << one.what;
     EXPECT_NE(file.remarks[0].text.find(one.remark), std::string::npos) << file.remarks[0].text;
+  }
+}
+
+TEST(DbcDamage, ALineAmongSignalsCostsItselfAlone) {
+  for (const std::string_view line :
+       {"# SG_ Old : 16|8@1+ (1,0) [0|0] \"\" X", "#", "(1,0) [0|0]", "SIG A"}) {
+    const File file = read_beside("", std::string(line) + "\n SG_ B : 16|8@1+ (1,0) [0|0] \"\" X\n");
+    ASSERT_NE(speed_of(file), nullptr) << line;
+    EXPECT_EQ(file.database.messages()[0].signals.size(), 2u) << line;
+    ASSERT_EQ(file.remarks.size(), 1u) << line;
+    EXPECT_EQ(std::make_pair(file.remarks[0].line, file.remarks[0].column),
+              std::make_pair(std::size_t{3}, std::size_t{1}))
+        << line;
   }
 }
 
@@ -170,6 +191,29 @@ TEST(DbcDamage, ListsOfNamesOfASignalAreOne) {
   ASSERT_EQ(file.remarks.size(), 1u);
   EXPECT_EQ(file.remarks[0].text, "1 of signal Speed is named twice; the first name, 'one', counts");
   EXPECT_EQ(file.remarks[0].line, 4u);
+}
+
+// Files have 255 or -1 for eight bits of ones, whether the signal is signed or not.
+TEST(DbcDamage, NamedValuesAreThoseOfTheBits) {
+  const File file = read_database(
+      "BO_ 291 M: 8 X\n SG_ Signed : 0|8@1- (1,0) [0|0] \"\" X\n SG_ Not : 8|8@1+ (1,0) [0|0] \"\" X\n"
+      " SG_ Float : 16|32@1- (1,0) [0|0] \"\" X\n"
+      "VAL_ 291 Signed 255 \"none\" -2 \"two\" 511 \"beyond\" ;\nVAL_ 291 Not -1 \"none\" 2 \"two\" ;\n"
+      "VAL_ 291 Float -3 \"off\" ;\nSIG_VALTYPE_ 291 Float : 1;\n");
+  const Message& message = file.database.messages()[0];
+  const auto words = [&](std::uint8_t both) {
+    // The last four are -3.0 (IEEE 754).
+    const auto readings = read_signals(message, std::array<std::uint8_t, 6>{both, both, 0, 0, 0x40, 0xC0});
+    std::string all;
+    for (const Reading& reading : readings) all += std::string(reading.word) + ",";
+    return all;
+  };
+  EXPECT_EQ(words(0xFF), "none,none,off,");
+  EXPECT_EQ(words(0xFE), "two,,off,");
+  EXPECT_EQ(words(0x02), ",two,off,");
+  EXPECT_EQ(raw_of(message.signals[0], "none"), 0xFFu);
+  EXPECT_EQ(raw_of(message.signals[0], "beyond"), std::nullopt);
+  EXPECT_EQ(raw_of(message.signals[2], "off"), 0xC0400000u);
 }
 
 TEST(DbcDamage, AFactorOf0IsTakenAs1AndSaid) {
@@ -257,6 +301,10 @@ TEST(DbcDamage, TextsOfOver64Bits) {
   EXPECT_EQ(value_text(readings[0]), vin);
   EXPECT_EQ(readings[1].value, 9.0);
   EXPECT_EQ(raw_of(file.database.messages()[0].signals[0], 1.0), std::nullopt) << "a text is no number";
+  const auto part = read_signals(file.database.messages()[0], std::span(data).first(3));
+  ASSERT_EQ(part.size(), 1u) << "texts of J1939 are shorter than the file says";
+  EXPECT_EQ(part[0].text, "WVW");
+  EXPECT_TRUE(read_signals(file.database.messages()[0], {}).empty());
 }
 
 TEST(DbcDamage, ValuesHaveTheDigitsThatGiveThemAgain) {

@@ -14,6 +14,7 @@
 #include "cli/text/values.h"
 #include "dbc/encode.h"
 #include "signals/signal_file.h"
+#include "text/counts.h"
 #include "text/visible.h"
 
 namespace cansync::cli {
@@ -40,12 +41,19 @@ void add_signal_files(CLI::App& verb, std::string& path, const std::string& what
       ->excludes(dbc);
 }
 
-std::string meaning_of(const dbc::Message& message, std::span<const dbc::Reading> readings) {
+std::string meaning_of(const dbc::Message& message, std::span<const dbc::Reading> readings,
+                       std::size_t others) {
   std::string text;
+  if (others > 0) text = fmt::format(" (or {} of this group)", text::counted(others, "other message"));
+  text += readings.empty() ? "" : ":";
   for (const dbc::Reading& reading : readings) {
+    if (&reading != &readings.front()) text += ",";
+    if (std::isnan(reading.value) && !reading.word.empty()) {
+      text += fmt::format(" {} {} (0x{:X})", reading.signal->name, reading.word, reading.raw);
+      continue;
+    }
     const char* mark = reading.signal->kind == dbc::NumberKind::text ? "\"" : "";
-    text += fmt::format("{} {} {}{}{}", text.empty() ? ":" : ",", reading.signal->name, mark,
-                        dbc::value_text(reading), mark);
+    text += fmt::format(" {} {}{}{}", reading.signal->name, mark, dbc::value_text(reading), mark);
     if (!reading.signal->unit.empty()) text += " " + reading.signal->unit;
     if (!reading.word.empty()) text += fmt::format(" ({})", reading.word);
   }

@@ -19,8 +19,10 @@ dbc::Database load_signals(const std::string& path, Output& output);
 /// The options --dbc and --signals of a verb, which both give such a file; `what` begins their help.
 void add_signal_files(CLI::App& verb, std::string& path, const std::string& what);
 
-/// "Motor: Speed 12.5 rpm, Mode 1 (run)".
-std::string meaning_of(const dbc::Message& message, std::span<const dbc::Reading> readings);
+/// "Motor: Speed 12.5 rpm, Mode 1 (run), Heat not available (0xFF)". `others`: messages of its group that it could be
+/// as well.
+std::string meaning_of(const dbc::Message& message, std::span<const dbc::Reading> readings,
+                       std::size_t others = 0);
 
 /// `message`, null when there is none, and `signals` with name, raw value, value, unit and name of the value.
 void add_meaning(const dbc::Message* message, std::span<const dbc::Reading> readings,
