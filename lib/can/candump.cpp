@@ -81,6 +81,11 @@ std::optional<std::uint64_t> take_decimal(std::string_view text, std::size_t& at
   return value;
 }
 
+// "#80:03:0000ABCD#": flags, type and acceptance field, which CAN XL alone has behind its identifier.
+bool is_can_xl(std::string_view text) {
+  return text.size() > 6 && text[0] == '#' && text[3] == ':' && text[6] == ':';
+}
+
 // Identifier and flags; `at` ends behind the '#'.
 std::variant<Frame, CandumpError> parse_identifier(std::string_view text, std::size_t& at) {
   Frame frame;
@@ -92,6 +97,7 @@ std::variant<Frame, CandumpError> parse_identifier(std::string_view text, std::s
     ++digits;
     ++at;
   }
+  if (is_can_xl(text.substr(at))) return CandumpError{1, "CAN XL frames are not supported"};
   if (digits != 3 && digits != 8) {
     return CandumpError{1,
                         "expected an identifier of 3 (standard) or 8 (extended) hexadecimal digits, found " +
@@ -116,6 +122,16 @@ std::variant<Frame, CandumpError> parse_identifier(std::string_view text, std::s
   return frame;
 }
 
+// 9 to F: of a frame of 8 bytes the code of its length that was on the bus.
+bool is_length_code(char c) {
+  return hex_digit(c) > 8 && hex_digit(c) != kNoDigit;
+}
+
+// "_9" to "_F" at the end, as cansend takes the code behind a length of 8.
+bool ends_in_length_code(std::string_view text, std::size_t at) {
+  return at + 2 == text.size() && text[at] == '_' && is_length_code(text[at + 1]);
+}
+
 // Data bytes, or the R of a remote frame with its optional length.
 std::optional<CandumpError> parse_data(std::string_view text, std::size_t at, Frame& frame) {
   if (at < text.size() && (text[at] == 'R' || text[at] == 'r') && !frame.error) {
@@ -124,15 +140,14 @@ std::optional<CandumpError> parse_data(std::string_view text, std::size_t at, Fr
     if (at < text.size() && text[at] >= '0' && text[at] <= '8') {
       frame.dlc = static_cast<std::uint8_t>(text[at++] - '0');
     }
-    if (at != text.size()) return error(text, at, "at most one length digit 0..8 after 'R'");
+    if (at != text.size() && !(frame.dlc == 8 && ends_in_length_code(text, at)))
+      return error(text, at, "at most one length digit 0..8 after 'R'");
     return std::nullopt;
   }
   for (; at < text.size(); at += 2) {
-    // As cansend takes them: a '.' between two bytes, and behind the eighth the code of a length over 8.
+    // As cansend takes them: a '.' between two bytes.
     if (text[at] == '.' && frame.dlc > 0 && at + 1 < text.size()) ++at;
-    if (frame.dlc == 8 && text[at] == '_' && at + 2 == text.size() && hex_digit(text[at + 1]) > 8 &&
-        hex_digit(text[at + 1]) != kNoDigit)
-      return std::nullopt;
+    if (frame.dlc == 8 && ends_in_length_code(text, at)) return std::nullopt;
     const unsigned high = hex_digit(text[at]);
     if (high == kNoDigit) return error(text, at, "a hexadecimal digit");
     if (frame.dlc == 8) return CandumpError{at + 1, "more than 8 data bytes"};
@@ -260,7 +275,7 @@ std::optional<CandumpError> parse_screen_bytes(std::string_view line, std::size_
 
 // A line as candump shows it on a screen; nothing: it is none.
 std::optional<std::variant<CandumpLine, CandumpError>> parse_screen_line(std::string_view line) {
-  if (line.find('[') == line.npos) return std::nullopt;
+  if (line.find_first_of("[{") == line.npos) return std::nullopt;
   CandumpLine result;
   std::size_t at = std::min(line.find_first_not_of(' '), line.size());
   if (at < line.size() && line[at] == '(') {
@@ -276,12 +291,17 @@ std::optional<std::variant<CandumpLine, CandumpError>> parse_screen_line(std::st
   while (word == "RX" || word == "TX" || word == "-") word = take_word(line, at, begin);
   const std::string identifier = std::string(word) + '#';
   const std::size_t identifier_begin = begin;
-  const std::string_view length = take_word(line, at, begin);
+  std::string_view length = take_word(line, at, begin);
+  // "{F}", as candump -8 shows such a code.
+  if (length.size() == 3 && length.front() == '{' && length.back() == '}' && is_length_code(length[1]))
+    length = "[8]";
   if (!is_interface_name(result.interface) || length.size() < 3 || length.front() != '[' ||
       length.back() != ']')
     return std::nullopt;
   if (length.size() == 4)
     return CandumpError{begin + 1, "CAN FD frames ('" + std::string(length) + "') are not supported"};
+  if (length.size() == 6)
+    return CandumpError{begin + 1, "CAN XL frames ('" + std::string(length) + "') are not supported"};
   if (length.size() != 3 || length[1] < '0' || length[1] > '8')
     return CandumpError{begin + 1, "expected a length of [0] to [8], found '" + std::string(length) + "'"};
   std::size_t ignored = 0;

@@ -47,6 +47,11 @@ bool is_flexible(std::string_view packet) {
   return packet.size() == kFlexiblePacket || (packet.size() > 5 && (byte_of(packet, 5) & 0x04) != 0);
 }
 
+// The flag that every CAN XL frame has, in the place of the length of the others, which is 64 at most.
+bool is_long(std::string_view packet) {
+  return packet.size() > 4 && (byte_of(packet, 4) & 0x80) != 0;
+}
+
 // The frame of a packet of LINKTYPE_CAN_SOCKETCAN; nothing for one that is cut off.
 std::optional<Frame> frame_of(std::string_view packet) {
   if (packet.size() < kPseudoHeader) return std::nullopt;
@@ -200,6 +205,7 @@ std::optional<PcapngReader::Item> PcapngReader::take_simple_packet(std::string_v
 }
 
 std::optional<PcapngError> PcapngReader::take_frame(std::string_view packet, CandumpLine& line) {
+  if (is_long(packet)) return failed("a CAN XL frame, which is no CAN 2.0 frame");
   if (is_flexible(packet)) return failed("a CAN FD frame, which is no CAN 2.0 frame");
   const auto frame = frame_of(packet);
   if (!frame) return failed("a packet that is no CAN 2.0 frame");

@@ -115,6 +115,11 @@ TEST(CandumpParser, ReadsWhatCandumpShowsOnAScreen) {
   EXPECT_NE(wrong("  can0  123  [0]  remote request of").find("the end of the line"), std::string::npos);
   EXPECT_NE(wrong("  can0  123  [12]  11 22 33 44 55 66 77 88 99 00 11 22").find("CAN FD frames ('[12]')"),
             std::string::npos);
+  EXPECT_NE(wrong("  can0  321  [0003]  (07|03:0000ABCD)  0A 0B 0C").find("CAN XL frames ('[0003]')"),
+            std::string::npos);
+  EXPECT_EQ(parsed("  can0  123  {F}  11 22 33 44 55 66 77 88").frame,
+            parsed("  can0  123  [8]  11 22 33 44 55 66 77 88").frame)
+      << "candump -8";
   EXPECT_NE(wrong("  can0  123  [9]  11").find("[0] to [8]"), std::string::npos);
   EXPECT_NE(wrong("  can0  123  [3]  11 22").find("a byte"), std::string::npos);
   EXPECT_NE(wrong("  can0  123  [1]  11 22").find("the end of the line"), std::string::npos);
@@ -149,8 +154,9 @@ TEST(CandumpParser, BytesMayHaveDotsBetweenThemAndAnEighthALengthCode) {
   EXPECT_EQ(std::get<can::Frame>(parsed("123#1122.A3")), data_frame(0x123, {0x11, 0x22, 0xA3}));
   EXPECT_EQ(std::get<can::Frame>(parsed("123#1122334455667788_F")),
             data_frame(0x123, {0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88}));
-  for (const std::string_view wrong :
-       {"123#.11", "123#11.", "123#11..22", "123#1.122", "123#11_9", "123#1122334455667788_8"})
+  EXPECT_EQ(std::get<can::Frame>(parsed("123#R8_F")), std::get<can::Frame>(parsed("123#R8")));
+  for (const std::string_view wrong : {"123#.11", "123#11.", "123#11..22", "123#1.122", "123#11_9",
+                                       "123#1122334455667788_8", "123#R7_F", "123#R8_8"})
     EXPECT_TRUE(std::holds_alternative<can::CandumpError>(parsed(wrong))) << wrong;
 }
 
@@ -194,6 +200,8 @@ INSTANTIATE_TEST_SUITE_P(Lines, CandumpParserErrors,
                                          Wrong{"(1.000000) can0 40000000#", 17, "over 1FFFFFFF"},
                                          Wrong{"(1.000000) can0 123", 20, "'#' after the identifier"},
                                          Wrong{"(1.000000) can0 123##0", 21, "CAN FD"},
+                                         Wrong{"(1.000000) can0 07321#80:03:0000ABCD#0A", 17, "CAN XL"},
+                                         Wrong{"(1.000000) can0 321#80:03:0000ABCD#0A", 17, "CAN XL"},
                                          Wrong{"(1.000000) can0 123#0", 22, "second hexadecimal"},
                                          Wrong{"(1.000000) can0 123#0G", 22, "found 'G'"},
                                          Wrong{"(1.000000) can0 123#x0", 21, "found 'x'"},

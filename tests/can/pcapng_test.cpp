@@ -202,6 +202,8 @@ TEST(PcapngReader, TheSizeOfAPacketTellsClassicFramesFromCanFd) {
   EXPECT_EQ(wrong("00000123 0C 00 0000 000102030405060708090A0B", 72),
             "block 3: a CAN FD frame, which is no CAN 2.0 frame");
   EXPECT_EQ(wrong("00000123 04 04 0000 00010203", 12), "block 3: a CAN FD frame, which is no CAN 2.0 frame");
+  EXPECT_EQ(wrong("00000321 80 03 0300 CDAB0000 0A0B0C", 15),
+            "block 3: a CAN XL frame, which is no CAN 2.0 frame");
   EXPECT_EQ(wrong("00000123 09 00 0000 0001020304050607", 16), "block 3: a packet that is no CAN 2.0 frame");
 }
 

@@ -1,8 +1,11 @@
 // `can dump FILE` and `messages FILE`: recordings without a daemon, in the forms that live frames have.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <stdlib.h>
 #include <time.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <memory>
@@ -109,6 +112,49 @@ TEST_F(RecordingVerb, WhatIsWrittenAsALogOrACaptureIsReadTheSame) {
   EXPECT_EQ(again.data, kLog);
 }
 
+/// Ten frames of one node, the same each time; each again after `again`.
+std::string twice_log(std::chrono::microseconds again) {
+  std::string log;
+  for (int i = 0; i < 10; ++i)
+    for (const int after : {0, static_cast<int>(again.count())})
+      log += fmt::format("(1.{:06d}) can0 123#E803\n", 1000 * i + after);
+  return log;
+}
+
+TEST_F(RecordingVerb, OfALogThatHasEachFrameTwiceEachIsTakenOnce) {
+  record(twice_log(std::chrono::microseconds(4)));
+  const Outcome outcome = dump({"--candump"});
+  EXPECT_EQ(outcome.code, ExitCode::done) << "nothing was left out of what was on the bus";
+  EXPECT_EQ(std::count(outcome.data.begin(), outcome.data.end(), '\n'), 10) << outcome.data;
+  EXPECT_NE(outcome.remarks.find("each frame stands there twice"), std::string::npos) << outcome.remarks;
+  // 2 bytes with an identifier of 11 bits have 63 bits and more: what follows later can be a second frame.
+  record(twice_log(std::chrono::microseconds(90)));
+  const Outcome sent_twice = dump({"--candump"});
+  EXPECT_EQ(std::count(sent_twice.data.begin(), sent_twice.data.end(), '\n'), 20);
+  EXPECT_EQ(sent_twice.remarks, "");
+}
+
+TEST_F(RecordingVerb, StampsThatAreNoTimeOfTheBusTellNothingOfEachFrameTwice) {
+  const auto is_whole = [&](const std::string& log) {
+    record(log);
+    const Outcome outcome = dump({"--candump"});
+    EXPECT_EQ(outcome.remarks, "") << log;
+    return std::count(outcome.data.begin(), outcome.data.end(), '\n') ==
+           std::count(log.begin(), log.end(), '\n');
+  };
+  std::string differences;  // candump -td
+  std::string seconds;
+  std::string virtual_bus;  // faster than any
+  for (int i = 0; i < 20; ++i) {
+    differences += fmt::format("(000.01000{}) can0 123#E803\n", i % 3);
+    seconds += fmt::format("({}.000000) can0 123#E803\n", 1700000000 + i / 2);
+    virtual_bus += fmt::format("(1700000000.{:06d}) can0 123#E803\n", 7 * i);
+  }
+  EXPECT_TRUE(is_whole(differences));
+  EXPECT_TRUE(is_whole(seconds));
+  EXPECT_TRUE(is_whole(virtual_bus));
+}
+
 TEST_F(RecordingVerb, ATableOfSignalsThatIsRefusedIsToldInItsLines) {
   record(kLog);
   const std::string table = capture_ + ".toml";
@@ -174,7 +220,7 @@ TEST_F(RecordingVerb, MessagesInPacketsAreAssembled) {
       messages({"--json", "--count", "1"}).data,
       "{\"time_ns\":1700000000100000000,\"interface\":\"can0\",\"pgn\":65260,\"priority\":6,\"source\":33,"
       "\"destination\":255,\"transport\":\"broadcast\",\"range\":null,\"data\":[1,2,3,4,5,6,7,8,9,10],"
-      "\"message\":null,\"signals\":[]}\n");
+      "\"message\":null,\"signals\":[],\"other_messages\":0}\n");
 }
 
 TEST_F(RecordingVerb, AFileThatIsNoneIsNamed) {

@@ -197,7 +197,7 @@ TEST_F(TraceVerb, GarbageIsNamedCountedAndPassedOver) {
   EXPECT_NE(outcome.remarks.find(":3: # 3 lines lost"), std::string::npos) << outcome.remarks;
   EXPECT_NE(outcome.remarks.find(":4:1: "), std::string::npos) << outcome.remarks;
   EXPECT_NE(outcome.remarks.find(":5:"), std::string::npos) << outcome.remarks;
-  EXPECT_NE(outcome.remarks.find(":6: over 4096 characters"), std::string::npos) << outcome.remarks;
+  EXPECT_NE(outcome.remarks.find(":6: over 8192 characters"), std::string::npos) << outcome.remarks;
   EXPECT_NE(outcome.remarks.find(":9:"), std::string::npos) << "also the last line without an end";
   EXPECT_NE(outcome.remarks.find("4 lines were not understood"), std::string::npos) << outcome.remarks;
   EXPECT_NE(outcome.data.find("edge"), std::string::npos);

@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "can/pcapng_reader.h"
+#include "cli/trace/frame_twins.h"
 #include "system/descriptor.h"
 #include "text/foreign_file.h"
 #include "text/visible.h"
@@ -222,10 +223,19 @@ class FileSource final : public TraceSource {
   std::unique_ptr<TraceReader> reader_;
 };
 
+/// A recording that is there already; what comes through a pipe is shown as it comes.
+bool is_regular_file(const std::string& path) {
+  struct stat found = {};
+  const int failed = path == "-" ? ::fstat(STDIN_FILENO, &found) : ::stat(path.c_str(), &found);
+  return failed == 0 && S_ISREG(found.st_mode);
+}
+
 }  // namespace
 
 std::unique_ptr<TraceSource> open_log(const std::string& path) {
-  return std::make_unique<FileSource>(path);
+  auto log = std::make_unique<FileSource>(path);
+  if (!is_regular_file(path)) return log;
+  return each_frame_once(std::move(log), path == "-" ? "standard input" : text::visible(path));
 }
 
 bool is_trace_file(const std::string& source) {

@@ -50,11 +50,12 @@ class TraceSource {
   virtual std::uint64_t dropped() const noexcept { return 0; }
 };
 
-/// Longest line of a log, in characters; what is longer is named as a problem and skipped.
-inline constexpr std::size_t kLongestTraceLine = 4096;
+/// Longest line of a log, in characters, as a CAN XL frame of 2048 bytes needs it; what is longer is named as a problem
+/// and skipped.
+inline constexpr std::size_t kLongestTraceLine = 8192;
 
 /// Reads the candump text log or pcapng capture (its first bytes tell which) in `path`, of standard input for
-/// "-". Throws std::system_error with the file's name when it cannot be opened; `next` throws
+/// "-"; of a log that has each frame twice each comes once. Throws std::system_error with the file's name when it cannot be opened; `next` throws
 /// std::runtime_error, with the remedy, when the file is of another format that is recognized.
 std::unique_ptr<TraceSource> open_log(const std::string& path);
 
