@@ -54,6 +54,7 @@ class FakeDaemon {
     static std::atomic<std::uint8_t> starts = 0;
     identity_[0] = ++starts;
     for (const unsigned slave : {0u, 1u, 2u, 3u}) settings_.slaves[slave].configured = true;
+    settings_.command_channel.transfer_monitoring = std::chrono::seconds(3);
     publish_state();
     thread_ = std::thread([this] { serve(); });
   }
@@ -73,6 +74,11 @@ class FakeDaemon {
 
   /// Modes are taken down and refused for this cause from now on.
   void refuse_modes(gateway_RefusalCause cause) { mode_refusal_ = cause; }
+  /// From now on modes are taken, and answered only when no longer kept back.
+  void keep_modes_back(bool kept) {
+    keeps_modes_back_ = kept;
+    signal_.raise();
+  }
   /// The next so many commands are refused for this cause.
   void refuse_next(int commands, gateway_RefusalCause cause) {
     next_refusal_ = cause;
@@ -124,6 +130,8 @@ class FakeDaemon {
     set_mapping({0x01});
   }
   std::size_t requests() const { return requests_; }
+  /// Participants of other programs that are there.
+  std::uint32_t programs() const { return participant_.others(); }
   const gateway::dds::DaemonIdentity& identity() const { return identity_; }
   /// Requests and cancels that were meant for another start of a daemon.
   std::size_t elsewhere() const { return elsewhere_; }
@@ -149,6 +157,15 @@ class FakeDaemon {
     values.arrived = interval != 0 ? 1 : 0;
     values.interval[0] = interval;
     (void)actual_writer_.write(values);
+  }
+  /// Tells what it does not tell by itself: a sample of each other topic.
+  void publish_rest() {
+    if (!rest_) rest_.emplace(participant_);
+    (void)rest_->realtime.write({});
+    (void)rest_->timing.write({});
+    (void)rest_->interval.write({});
+    publish_actual(2, 1, 1);
+    publish_event(++rest_->events);
   }
   void publish_event(std::uint64_t number, gateway_EventSeverity severity = gateway_SEVERITY_INFO) {
     gateway_Event event = {};
@@ -224,6 +241,15 @@ class FakeDaemon {
         for (const Key& key : std::exchange(lost_, {}))
           answer(parameter_writer_, cansync::dds::parameter_reply(key, {}));
       }
+      if (!keeps_modes_back_) {
+        for (const Key& key : std::exchange(kept_back_, {}))
+          answer(command_writer_, cansync::dds::command_reply(key, cansync::Outcome::done));
+      }
+      // Before the requests that they are of: those are there by then.
+      std::vector<Key> cancelled;
+      (void)cancel_reader_.take([&](const gateway_JobCancel& cancel) {
+        if (is_mine(cancel)) cancelled.push_back(gateway::dds::key_of(cancel));
+      });
       const auto answer_mine = [&](const auto& request) {
         if (is_mine(request)) answer(request, limits);
       };
@@ -231,9 +257,7 @@ class FakeDaemon {
       if (parameter_reader_) (void)parameter_reader_->take(answer_mine);
       (void)transfer_reader_.take(answer_mine);
       (void)command_reader_.take(answer_mine);
-      (void)cancel_reader_.take([&](const gateway_JobCancel& cancel) {
-        if (is_mine(cancel)) end_open(gateway::dds::key_of(cancel));
-      });
+      for (const Key& key : cancelled) end_open(key);
       take_references();
       deliver();
     }
@@ -331,6 +355,7 @@ class FakeDaemon {
     }
     if (command.kind == cansync_COMMAND_BROADCAST && command.action == kSilentAction)
       return open_commands_.push_back(key);
+    if (command.kind == cansync_COMMAND_MODE && keeps_modes_back_) return kept_back_.push_back(key);
     if (command.kind == cansync_COMMAND_MODE && mode_refusal_ != gateway_CAUSE_NONE)
       return answer(command_writer_, cansync::dds::command_refused(key, {mode_refusal_, "not now"}));
     answer(command_writer_, cansync::dds::command_reply(key, cansync::Outcome::done));
@@ -420,12 +445,23 @@ class FakeDaemon {
   gateway::dds::Writer<cansync_ActualValues> actual_writer_{participant_};
   gateway::dds::Writer<gateway_Event> event_writer_{participant_};
 
+  struct Rest {
+    explicit Rest(const gateway::dds::Participant& participant)
+        : realtime(participant), timing(participant), interval(participant) {}
+    gateway::dds::Writer<gateway_RealtimeStatus> realtime;
+    gateway::dds::Writer<cansync_Timing> timing;
+    gateway::dds::Writer<cansync_Interval> interval;
+    std::uint64_t events = 1000;
+  };
+  std::optional<Rest> rest_;
+
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> parameters_;
   std::map<std::uint32_t, std::vector<std::uint8_t>> memory_;
   std::vector<Key> open_parameters_;
   std::vector<Key> open_transfers_;
   std::vector<Key> open_commands_;
   std::vector<Key> lost_;
+  std::vector<Key> kept_back_;  ///< commands
   std::deque<std::function<dds_return_t()>> outbox_;
 
   mutable std::mutex mutex_;
@@ -444,6 +480,7 @@ class FakeDaemon {
   std::atomic<std::size_t> cancels_in_vain_ = 0;
   std::atomic<bool> answer_lost_ = false;
   std::atomic<bool> answers_nothing_ = false;
+  std::atomic<bool> keeps_modes_back_ = false;
   std::atomic<bool> stop_ = false;
   bool was_full_ = false;  // thread of the daemon only
   std::atomic<gateway_RefusalCause> mode_refusal_ = gateway_CAUSE_NONE;

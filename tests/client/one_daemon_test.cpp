@@ -112,6 +112,21 @@ TEST_F(OneDaemon, AProgramThatHearsOfRestartsIsNotHeldUp) {
   EXPECT_EQ(restarts, 1);
 }
 
+TEST_F(OneDaemon, WhoAsksForRestartsWhileNoneIsThereIsToldOfTheNextOne) {
+  wait_until_known(*daemon_);
+  daemon_.reset();
+  ASSERT_TRUE(read_until([](const Reply& reply) { return reply.code == ReplyCode::no_daemon; }).code ==
+              ReplyCode::no_daemon);
+  std::atomic<int> restarts = 0;
+  const Subscription told = client_.on_restart([&](const GatewayStatus&) { ++restarts; });
+  daemon_.emplace(places_.here);
+  wait_until_known(*daemon_);
+  EXPECT_EQ(restarts, 1);
+  const ParameterReply reply =
+      read_until([](const Reply& each) { return each.ok() || each.code == ReplyCode::refused; });
+  EXPECT_TRUE(reply.ok()) << reply.reason;
+}
+
 TEST_F(OneDaemon, WhileTwoServeTheBusNothingIsAskedOfEither) {
   const ParameterJob open = client_.submit(ParameterRequest{.slave = 0, .number = FakeDaemon::kSilentNumber});
   while (daemon_->requests() < 1) std::this_thread::yield();

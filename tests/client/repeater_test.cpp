@@ -150,6 +150,22 @@ TEST_F(RepeaterTest, AChangedMappingStopsItUntilItIsTakenUp) {
   EXPECT_EQ(std::count(got.begin(), got.end(), 8), 0);
 }
 
+// The program looks at the line before it takes up: what comes in between is not what it looked at.
+TEST_F(RepeaterTest, AMappingThatCameAfterTheLookIsNotTakenUp) {
+  ReferenceRepeater repeater(client, milliseconds(1));
+  const Validity looked_at = client.validity();
+  daemon->change_mapping();
+  ASSERT_TRUE(eventually_true([&] { return repeater.standing() == ReferenceStanding::mapping_changed; }));
+  repeater.take_up(looked_at);
+  repeater.set(1, {8, 0, 0, 0}, 1);
+  EXPECT_TRUE(eventually_true([&] { return repeater.standing() == ReferenceStanding::mapping_changed; }));
+  EXPECT_TRUE(client.read(0, 1).ok());
+  EXPECT_EQ(daemon->references().size(), 0u);
+  repeater.take_up(client.validity());
+  repeater.set(1, {9, 0, 0, 0}, 1);
+  EXPECT_TRUE(comes(9, 5));
+}
+
 // A daemon that was started anew gets nothing from a program that was not told to.
 TEST_F(RepeaterTest, ANewStartOfTheDaemonGetsNothingUntilItIsTakenUp) {
   ReferenceWriter writer(client);

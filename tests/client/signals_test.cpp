@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -78,6 +79,7 @@ TEST(Signals, AGroupOfAnySourceAndWhatIsNotAvailable) {
   const auto engine = names.decode_group(0xF004, 0x21, data);
   ASSERT_TRUE(engine);
   EXPECT_EQ(engine->signals.at(0).word, "not available");
+  EXPECT_TRUE(std::isnan(engine->signals.at(0).value));
   EXPECT_DOUBLE_EQ(engine->signals.at(1).value, 12.0);
   EXPECT_FALSE(names.decode_group(0xF005, 0x21, data));
 }
@@ -91,6 +93,15 @@ TEST(Signals, BytesOfNamesAndUnits) {
   EXPECT_EQ(names.encode("Motor", {{"Brake", 9.0}}, 0xFF).data,
             (std::vector<std::uint8_t>{0xFF, 0xFF, 0xF2, 9}))
       << "its multiplexor is set with it";
+}
+
+TEST(Signals, WhatTheFileDoesNotAllowIsRefused) {
+  const Signals names = signals_of(
+      "limits.dbc", "BO_ 1 A: 8 X\n SG_ S : 0|16@1- (0.1,0) [-100|100] \"V\" X\nVAL_ 1 S 3000 \"all\" ;\n");
+  EXPECT_EQ(names.encode("A", {{"S", 100.0}}).data.at(0), 0xE8);
+  EXPECT_EQ(names.encode("A", {{"S", "all"}}).data.at(0), 0xB8) << "a name of the file is allowed by it";
+  for (const double value : {100.1, -100.1})
+    EXPECT_THROW((void)names.encode("A", {{"S", value}}), SignalError) << value;
 }
 
 TEST(Signals, WhatIsLeftOutOfADbcFileIsSaid) {

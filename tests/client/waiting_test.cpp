@@ -60,15 +60,29 @@ TEST_F(WaitingTest, WhatADaemonThatIsGoneToldLastIsNotHowTheLineIs) {
   ASSERT_TRUE(client->wait_status(is_active, gateway::kLongWait));
   ASSERT_EQ(client->slaves().size(), 4u);
   EXPECT_EQ(client->find_slave("slave2").slave, 2);
+  EXPECT_EQ(client->bus_status().bit_rate, 1'000'000u);
   daemon.reset();
   const auto end = std::chrono::steady_clock::now() + gateway::kLongWait;
   while (client->daemon_present() && std::chrono::steady_clock::now() < end) std::this_thread::yield();
   EXPECT_FALSE(client->wait_status(is_active, milliseconds(50)));
-  EXPECT_TRUE(client->slaves(milliseconds(0)).empty());
-  EXPECT_FALSE(client->find_slave("slave2").slave);
+  // Nobody tells anything, which is known at once.
+  const auto before = std::chrono::steady_clock::now();
+  EXPECT_THROW((void)client->master_status(), NoDaemon);
+  EXPECT_THROW((void)client->gateway_status(), NoDaemon);
+  EXPECT_THROW((void)client->bus_status(), NoDaemon);
+  EXPECT_THROW((void)client->slaves(), NoDaemon);
+  EXPECT_THROW((void)client->find_slave("slave2"), NoDaemon);
+  EXPECT_LT(std::chrono::steady_clock::now() - before, seconds(2))
+      << "one wait alone would have been as long";
+  EXPECT_FALSE(client->master_status(milliseconds(0)));
+  EXPECT_FALSE(client->gateway_status(milliseconds(0)));
+  EXPECT_FALSE(client->bus_status(milliseconds(0)));
+  EXPECT_FALSE(client->actual_values(2, milliseconds(0)));
   daemon.emplace(places.here);
   EXPECT_TRUE(client->wait_status(is_active, gateway::kLongWait)) << "and that of the new one is";
   EXPECT_EQ(client->slaves(gateway::kLongWait).size(), 4u);
+  EXPECT_EQ(client->master_status().option_status, 0x80);
+  EXPECT_EQ(text(client->gateway_status().bus), places.here.partition);
 }
 
 TEST_F(WaitingTest, EventsThatNeverRestAreCollectedForTwoSecondsAndOfEachSeverityTheLast) {

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <deque>
 #include <optional>
 #include <random>
@@ -22,7 +23,6 @@ namespace {
 using std::chrono::milliseconds;
 using View = DaemonChoice::View;
 
-constexpr int kOrders = 10'000;
 constexpr std::int64_t kLength = 40'000;  // ms of an order
 constexpr std::int64_t kQuiet = 12'000;   // ms in which everything must have ended
 constexpr std::int64_t kStep = 50;        // ms
@@ -275,12 +275,17 @@ class Order {
   std::string failure_;
 };
 
+unsigned orders() {
+  const char* given = std::getenv("CANSYNC_DAEMON_ORDERS");  // NOLINT(concurrency-mt-unsafe): one thread
+  return given == nullptr ? 10'000u : static_cast<unsigned>(std::strtoul(given, nullptr, 10));
+}
+
 TEST(OneDaemonOrders, NoRequestIsCarriedOutTwiceOrByTheWrongOneAndNoneIsLostWithoutWords) {
   std::uint64_t done = 0;
   std::uint64_t lost = 0;
   std::uint64_t refused = 0;
-  for (int seed = 0; seed < kOrders; ++seed) {
-    Order order(static_cast<std::uint32_t>(seed));
+  for (unsigned seed = 0; seed < orders(); ++seed) {
+    Order order(seed);
     order.run();
     ASSERT_EQ(order.failure(), "") << "seed " << seed;
     done += order.done();
@@ -288,9 +293,9 @@ TEST(OneDaemonOrders, NoRequestIsCarriedOutTwiceOrByTheWrongOneAndNoneIsLostWith
     refused += order.refused();
   }
   // Each of the three must have come often, or nothing was tried.
-  EXPECT_GT(done, 100'000u);
-  EXPECT_GT(lost, 1'000u);
-  EXPECT_GT(refused, 100'000u);
+  EXPECT_GT(done, 10u * orders());
+  EXPECT_GT(lost, orders() / 10);
+  EXPECT_GT(refused, 10u * orders());
   std::printf("done %lu, lost with words %lu, refused %lu\n", done, lost, refused);
 }
 

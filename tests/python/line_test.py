@@ -3,12 +3,14 @@
 import dataclasses
 import os
 import pathlib
+import shutil
 import signal
 import sys
+import tempfile
 import threading
 import unittest
 
-from line import LONG, Line, cansync
+from line import LONG, PROFILES, Line, cansync
 
 from gateway import BIT_RATE, end
 
@@ -86,7 +88,41 @@ class State(OnALine):
         self.assertEqual(job.result().raw, 4400)  # a job is whole without its client
 
 
+# Wrong in the width, as after another firmware: the drive has a doubleword there.
+WRONG_WIDTH = """
+[profile]
+name = "of-another-firmware"
+
+[[parameter]]
+number = 430
+name = "offset"
+format = "word"
+signed = true
+factor = 0.1
+access = "read-write"
+"""
+
+
 class Parameters(OnALine):
+    @classmethod
+    def setUpClass(cls):
+        folder = pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
+        profile = folder / "of-another-firmware.toml"
+        profile.write_text(WRONG_WIDTH)
+        shutil.copy(PROFILES / "simulated-drive.toml", folder)
+        cls.gateway = cls.enterClassContext(Line("--set", f"slave.3.profile={profile}"))
+        cls.line = cls.enterClassContext(cansync.connect(cls.gateway.bus, domain=cls.gateway.domain, timeout=LONG,
+                                                         profiles=f"{folder}"))
+
+    def test_a_width_that_is_not_the_profiles_is_an_error(self):
+        before = self.line.read(3, 430).raw
+        code = cansync.Code.DOUBLEWORD_EXPECTED
+        self.error(cansync.SlaveError, code, "doubleword", self.line.read, 3, "offset")
+        self.error(cansync.SlaveError, cansync.Code.SLAVE_ERROR, "slave: ", self.line.write, 3, "offset", -5)
+        self.assertEqual(self.line.read(3, 430).raw, before)
+        whatever = self.line.submit_read(3, "offset", format=1).result(LONG)
+        self.assertEqual((whatever.value, whatever.name, whatever.doubleword), (before, "", True))
+
     def test_by_number_values_are_raw(self):
         self.line.write(2, 403, 65526)
         read = self.line.read(2, 403)

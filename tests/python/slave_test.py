@@ -1,10 +1,13 @@
 """The application behind a real daemon that is a slave, in Python; with it the C face of a slave."""
 
+import os
+import signal
 import subprocess
 import sys
 import time
 import unittest
 
+from interrupt import SOON, seconds_to_end
 from line import LONG, ROOT, cansync
 
 from cansync_slave_service_test import Slave, jobs, wait_for  # noqa: E402  (its folder is named by `line`)
@@ -98,6 +101,29 @@ class Behind(unittest.TestCase):
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertRegex(done.stdout, r"^[1-9]\d* reference values, [1-9]\d* parameter jobs, position [1-9]\d*\n$")
             self.assertIn("23E9FCFF0000", daemon.answers())
+
+    def test_ctrl_c_ends_the_wait_for_a_daemon_that_stands_still(self):
+        with Slave("", extra='target = "none"') as daemon, \
+                cansync.connect_slave(daemon.place.bus, domain=daemon.place.domain, timeout=LONG) as slave:
+            slave.set_mode(Mode.SETUP)
+            os.kill(daemon.process.pid, signal.SIGSTOP)
+            try:
+                self.check_waits(slave)
+            finally:
+                os.kill(daemon.process.pid, signal.SIGCONT)
+
+    def check_waits(self, slave):
+        """Ctrl-C ends each."""
+        waits = {"set_mode": lambda: slave.set_mode(Mode.RUN), "set_mapping": lambda: slave.set_mapping([0] * 8, [0] * 8),
+                 "listen": lambda: slave.listen(7, [1, 3, 0, 0, 0, 0, 0, 0]), "receive": lambda: self.receive_for_ever(slave)}
+        for name, wait in waits.items():
+            took = [seconds_to_end("_call", wait) for _ in range(5)]  # on a busy machine the quickest tells
+            self.assertLess(min(took), SOON, f"{name}: {took}")
+
+    def receive_for_ever(self, slave):
+        """What came before the daemon stood still is there at once."""
+        while True:
+            slave.receive(LONG)
 
     def test_without_a_daemon_it_says_where_it_looked(self):
         with self.assertRaises(cansync.NotConnected) as nowhere:

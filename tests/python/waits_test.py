@@ -1,16 +1,12 @@
 """Ctrl-C in waits, other threads meanwhile, and interpreters that end with everything open."""
 
-import os
-import signal
 import subprocess
 import sys
-import threading
-import time
 import unittest
 
+from interrupt import SOON, seconds_to_end
 from line import LONG, Line, cansync
 
-SOON = 0.1  # seconds after which Ctrl-C has ended a wait
 TIMES = 10  # on a busy machine the quickest tells what the package takes
 
 OPEN_EVERYTHING = """
@@ -40,34 +36,8 @@ class Waits(unittest.TestCase):
         cls.gateway = cls.enterClassContext(Line())
         cls.line = cls.enterClassContext(cls.gateway.connect())
 
-    def interrupt(self, function, call):
-        """Seconds from Ctrl-C, which comes when the main thread is in `function` of the package, to the end of `call`."""
-        sent = []
-
-        def watch():
-            main = threading.main_thread().ident
-            while True:
-                frame = sys._current_frames()[main]
-                while frame is not None and frame.f_code.co_name != function:
-                    frame = frame.f_back
-                if frame is not None:
-                    break
-                time.sleep(0.001)
-            # That this thread runs shows that the one that waits does not hold the interpreter's lock.
-            sent.append(time.monotonic())
-            os.kill(os.getpid(), signal.SIGINT)
-
-        watcher = threading.Thread(target=watch)
-        watcher.start()
-        with self.assertRaises(KeyboardInterrupt):
-            call()
-            watcher.join(LONG)
-        took = time.monotonic() - sent[0]
-        watcher.join(LONG)
-        return took
-
     def check(self, function, call):
-        took = [self.interrupt(function, call) for _ in range(TIMES)]
+        took = [seconds_to_end(function, call) for _ in range(TIMES)]
         self.assertLess(min(took), SOON, took)
 
     def test_connecting(self):

@@ -2,9 +2,13 @@
 #include <cansync/topics.h>
 
 #include <algorithm>
+#include <bit>
 #include <charconv>
 #include <deque>
+#include <memory>
+#include <thread>
 #include <tuple>
+#include <utility>
 
 #include "client/src/connect_options.h"
 #include "client/src/link.h"
@@ -22,6 +26,13 @@ std::optional<unsigned> parse_number(std::string_view text) {
       std::from_chars(text.data(), text.data() + text.size(), value, hexadecimal ? 16 : 10);
   if (text.empty() || error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
   return value;
+}
+
+void close(const std::shared_ptr<detail::Link>& link) {
+  if (!link) return;
+  if (!link->is_receiver()) return link->close();
+  // A callback has released its own client: the receiver thread ends when it has returned.
+  std::thread([link] { link->close(); }).detach();
 }
 
 bool is_configured(const MasterStatus& master, unsigned slave) {
@@ -96,8 +107,9 @@ std::string describe(const Reply& reply) {
 
 Subscription::~Subscription() {
   if (!hold_) return;
+  decltype(hold_->callback) callback;  // what it holds, such as the client, goes when nobody runs it
   const std::lock_guard lock(hold_->running);
-  hold_->callback = nullptr;
+  callback.swap(hold_->callback);
 }
 
 Subscription& Subscription::operator=(Subscription&& other) noexcept {
@@ -112,13 +124,14 @@ Client::Client(Client&&) noexcept = default;
 
 Client& Client::operator=(Client&& other) noexcept {
   if (this == &other) return *this;
-  if (link_) link_->close();
+  // Callbacks that run until then use it.
+  close(link_);
   link_ = std::move(other.link_);
   return *this;
 }
 
 Client::~Client() {
-  if (link_) link_->close();
+  close(link_);
 }
 
 Client Client::connect(const Options& options) {
@@ -147,6 +160,10 @@ GatewayStatus Client::gateway_status() const {
   return link_->first<GatewayStatus>("GatewayStatus");
 }
 
+std::optional<GatewayStatus> Client::gateway_status(std::chrono::milliseconds time) const {
+  return link_->first_within<GatewayStatus>(time);
+}
+
 BusStatus Client::bus_status() const {
   return link_->first<BusStatus>("BusStatus");
 }
@@ -167,6 +184,10 @@ MasterStatus Client::master_status() const {
   return link_->first<MasterStatus>("MasterStatus");
 }
 
+std::optional<MasterStatus> Client::master_status(std::chrono::milliseconds time) const {
+  return link_->first_within<MasterStatus>(time);
+}
+
 Validity Client::validity() const {
   return link_->validity();
 }
@@ -181,13 +202,22 @@ std::optional<MasterStatus> Client::wait_status(const std::function<bool(const M
 }
 
 std::vector<SlaveStatus> Client::slaves(std::chrono::milliseconds time) const {
-  const MasterStatus master = master_status();
+  link_->expect_own_protocol();
+  const auto end = std::chrono::steady_clock::now() + time;
+  const std::optional<MasterStatus> told =
+      master_status(daemon_present() ? time : std::chrono::milliseconds(0));
+  if (!told && !daemon_present()) throw NoDaemon(link_->gone());
+  if (!told) return {};
+  const MasterStatus& master = *told;
   auto& feed = link_->open<SlaveStatus>();
-  (void)feed.wait(time, [&](const std::vector<SlaveStatus>& known) {
+  const auto left =
+      std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
+  (void)feed.wait(left, [&](const std::vector<SlaveStatus>& known) {
     std::uint32_t mask = 0;
     for (const SlaveStatus& slave : known) mask |= 1u << (slave.slave % cansync_SLAVES);
     return (master.slaves_configured & ~mask) == 0;
   });
+  if (!daemon_present()) throw NoDaemon(link_->gone());
   std::vector<SlaveStatus> slaves = feed.known();
   std::erase_if(
       slaves, [&](const SlaveStatus& slave) { return !is_configured(master, slave.slave % cansync_SLAVES); });
@@ -214,13 +244,28 @@ SlaveLookup Client::find_slave(std::string_view number_or_name) const {
             "slave " + std::string(number_or_name) + ": out of range; allowed 0..31 or a slave's name"};
   }
   std::string names;
-  for (const SlaveStatus& slave : slaves()) {
+  SlaveLookup found;
+  const std::vector<SlaveStatus> told = slaves();
+  for (const SlaveStatus& slave : told) {
     const std::string_view slave_name = text(slave.name);
-    if (!slave_name.empty() && slave_name == number_or_name) return {slave.slave, ""};
     if (slave_name.empty()) continue;
+    if (slave_name == number_or_name) {
+      // Each slave has a sample of its own: while names are exchanged two bear the same one.
+      if (found.slave)
+        return {std::nullopt, "slave '" + std::string(number_or_name) + "': slaves " +
+                                  std::to_string(*found.slave) + " and " + std::to_string(slave.slave) +
+                                  " bear this name at the moment; ask again, or give a number"};
+      found.slave = slave.slave;
+    }
     names += names.empty() ? "" : ", ";
     names += slave_name;
   }
+  if (found.slave) return found;
+  const auto master = master_status(std::chrono::milliseconds(0));
+  if (!master || told.size() < static_cast<std::size_t>(std::popcount(master->slaves_configured)))
+    return {std::nullopt,
+            "slave '" + std::string(number_or_name) +
+                "': the daemon has not told the names of all slaves yet; ask again, or give a number"};
   return {std::nullopt, "slave '" + std::string(number_or_name) +
                             "': no slave has this name; allowed 0..31 or " +
                             (names.empty() ? "a name, but no slave has one" : names)};
@@ -256,7 +301,9 @@ Subscription Client::on_master_status(std::function<void(const MasterStatus&)> c
 }
 Subscription Client::on_restart(std::function<void(const GatewayStatus&)> callback) {
   using gateway::dds::DaemonIdentity;
-  return on_gateway_status([callback = std::move(callback), known = std::deque<DaemonIdentity>{},
+  std::deque<DaemonIdentity> known;
+  if (const auto start = link_->told_start()) known.push_back(*start);
+  return on_gateway_status([callback = std::move(callback), known = std::move(known),
                             link = std::weak_ptr(link_)](const GatewayStatus& status) mutable {
     const DaemonIdentity start = gateway::dds::daemon_of(status);
     // Of two daemons that both live, each is told once.
@@ -265,8 +312,9 @@ Subscription Client::on_restart(std::function<void(const GatewayStatus&)> callba
     known.push_back(start);
     if (known.size() == 1) return;
     if (known.size() > kKnown) known.pop_front();
-    callback(status);
+    // Also for what the program asks for in it.
     if (const auto to = link.lock()) to->program_told_of(start);
+    callback(status);
   });
 }
 Subscription Client::on_slave_status(std::function<void(const SlaveStatus&)> callback) {

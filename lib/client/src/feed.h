@@ -25,15 +25,15 @@
 /// Internal to lib/client.
 namespace cansync::client {
 
-/// One subscription's callback. `running` is held during each call.
+/// One subscription's callback. `running` is held during each call; a callback may end its own subscription.
 struct Subscription::Hold {
-  std::mutex running;
-  std::function<void(const void*)> callback;  // empty: ended
-  bool greeted = false;                       // has got what was known when it came; receiver thread only
+  std::recursive_mutex running;
+  std::shared_ptr<const std::function<void(const void*)>> callback;  // null: ended
+  bool greeted = false;  // has got what was known when it came; receiver thread only
 
   void call(const void* sample) {
     const std::lock_guard lock(running);
-    if (callback) callback(sample);
+    if (const auto function = callback) (*function)(sample);
   }
 };
 
@@ -73,15 +73,14 @@ using Place = dds::DaemonChoice::Place;
 template <class T>
 class Feed {
  public:
-  /// Called with each sample and its writer before anybody else hears of it, on the receiver thread. Before
-  /// `open`.
+  /// Called with each sample and its writer before anybody else hears of it, by who takes it. Before `open`.
   void set_first_look(std::function<void(const T&, dds_instance_handle_t writer)> look) {
     first_look_ = std::move(look);
   }
-  /// Asked every `kAsk` while something is waited for, on the waiting thread; empty: nobody is. Before
+  /// Asked every `kLook` while something is waited for, on the waiting thread; empty: nobody is. Before
   /// `open`.
   void set_go_on(std::function<bool()> go_on) { go_on_ = std::move(go_on); }
-  /// Where the writer of a sample is, asked on the receiver thread. Before `open`.
+  /// Where the writer of a sample is, asked by who takes it. Before `open`.
   void set_place_of(std::function<Place(dds_entity_t reader, dds_instance_handle_t writer)> place_of) {
     place_of_ = std::move(place_of);
   }
@@ -100,16 +99,34 @@ class Feed {
     holds_.push_back(std::move(hold));
   }
 
+  /// `look(known)`, with the lock held.
+  template <class Look>
+  void look(Look&& look) const {
+    const std::lock_guard lock(mutex_);
+    std::forward<Look>(look)(known_);
+  }
+
   /// A copy of what is known.
   std::vector<T> known() const {
     const std::lock_guard lock(mutex_);
     return known_;
   }
 
+  /// What a daemon that is there told last; waits for it up to `time`. Nothing when it has told nothing, or `go_on` says
+  /// no.
+  std::optional<T> wait_present(std::chrono::milliseconds time) {
+    std::optional<T> newest;
+    (void)wait_changed(time, [&] {
+      if (!known_.empty() && is_of_the_living()) newest = known_.front();
+      return newest.has_value();
+    });
+    return newest;
+  }
+
   /// Waits until `condition(known)` holds, asked after each change; false when it does not within `time`, or
   /// `go_on` says no.
   template <class Condition>
-  bool wait(std::chrono::milliseconds time, Condition&& condition) const {
+  bool wait(std::chrono::milliseconds time, Condition&& condition) {
     return wait_changed(time, [&] { return condition(known_); });
   }
 
@@ -117,13 +134,14 @@ class Feed {
   /// lock, so that they may use the client. Nothing when none does within `time`, or `go_on` says no.
   template <class Counts>
   std::optional<T> wait_each(std::chrono::milliseconds time, Counts&& counts,
-                             const std::function<bool(const T&)>& fits) const {
+                             const std::function<bool(const T&)>& fits) {
     using Clock = std::chrono::steady_clock;
     const auto end = Clock::now() + time;
     const Watch watch(*this);
     std::optional<T> newest;  // that was not asked for yet
     while (true) {
-      if (std::optional<T> one = watch.take(std::min(end, Clock::now() + kAsk))) newest = std::move(one);
+      take();
+      if (std::optional<T> one = watch.take(std::min(end, Clock::now() + kLook))) newest = std::move(one);
       if (newest && counts(*newest)) {
         if (fits(*newest)) return newest;
         newest.reset();
@@ -133,7 +151,7 @@ class Feed {
   }
 
   /// Waits until nothing has come for `quiet`, or for `most` at all.
-  void wait_quiet(std::chrono::milliseconds quiet, std::chrono::milliseconds most) const {
+  void wait_quiet(std::chrono::milliseconds quiet, std::chrono::milliseconds most) {
     using Clock = std::chrono::steady_clock;
     const auto end = Clock::now() + most;
     std::uint64_t seen = 0;
@@ -144,10 +162,19 @@ class Feed {
     }
   }
 
-  /// Receiver thread: takes what has come; nobody hears of it before `tell`.
+  /// Takes what has come; subscribers hear of it with `tell`.
   void take() {
     const std::lock_guard lock(mutex_);
     if (reader_) take_samples();
+  }
+
+  /// Receiver thread: daemons are at these places, and nowhere else.
+  void set_living(std::span<const Place> places) {
+    const std::lock_guard lock(mutex_);
+    if (knows_living_ && std::equal(living_.begin(), living_.end(), places.begin(), places.end())) return;
+    living_.assign(places.begin(), places.end());
+    knows_living_ = true;
+    changed_.notify_all();
   }
 
   /// Receiver thread: what was told at other places than these is not known any more.
@@ -162,23 +189,25 @@ class Feed {
 
   /// Receiver thread: wakes who waits and calls the subscribers.
   void tell() {
-    std::vector<T> news;
-    std::vector<T> all;
+    std::deque<T> news;
+    std::deque<T> all;
     std::vector<std::shared_ptr<Subscription::Hold>> holds;
+    bool is_present = false;  // what is known; what is not greets nobody
     {
       const std::lock_guard lock(mutex_);
+      is_present = is_of_the_living();
       news = std::exchange(news_, {});
       std::erase_if(holds_,
                     [](const auto& hold) { return hold.use_count() == 1; });  // the subscription is gone
       holds = holds_;
       for (const auto& hold : holds) {
-        if (!hold->greeted) all = known_;
+        if (!hold->greeted && is_present) all.assign(known_.begin(), known_.end());
       }
     }
     if (!news.empty()) changed_.notify_all();
     for (const auto& hold : holds) {
       for (const T& sample : hold->greeted ? news : all) hold->call(&sample);
-      hold->greeted = true;
+      hold->greeted = hold->greeted || is_present;
     }
   }
 
@@ -197,21 +226,23 @@ class Feed {
   }
 
  private:
-  /// How often `go_on_` is asked.
-  static constexpr std::chrono::milliseconds kAsk{20};
+  /// How often who waits asks `go_on_` and takes what has come: the receiver thread may stand in a callback, or be the
+  /// one that waits.
+  static constexpr std::chrono::milliseconds kLook{20};
 
   /// Waits until `condition()` holds, asked with the lock held after each change.
   template <class Condition>
-  bool wait_changed(std::chrono::milliseconds time, Condition&& condition) const {
+  bool wait_changed(std::chrono::milliseconds time, Condition&& condition) {
     using Clock = std::chrono::steady_clock;
     const auto end = Clock::now() + time;
     while (true) {
-      const auto next = go_on_ ? std::min(end, Clock::now() + kAsk) : end;
+      const auto next = std::min(end, Clock::now() + kLook);
       {
         std::unique_lock lock(mutex_);
+        if (reader_) take_samples();
         if (changed_.wait_until(lock, next, condition)) return true;
       }
-      if (next == end || !go_on_()) return false;
+      if (next == end || (go_on_ && !go_on_())) return false;
     }
   }
 
@@ -243,8 +274,8 @@ class Feed {
     const Feed& feed_;
     mutable std::deque<T> come_;
   };
-  /// Of samples that who looks at each has not looked at yet, the oldest goes.
-  static constexpr std::size_t kWatched = 1000;
+  /// Of samples that who hears or looks at each has not got yet, the oldest goes.
+  static constexpr std::size_t kWaiting = 1000;
 
   /// Daemons of a bus; more than one only while a dead one is not yet known to be dead.
   static constexpr std::size_t kWriters = 64;
@@ -255,6 +286,12 @@ class Feed {
     const dds_return_t count = dds_get_matched_publications(reader_->handle(), found.data(), kWriters);
     found.resize(std::min(static_cast<std::size_t>(std::max(count, 0)), kWriters));
     return found;
+  }
+
+  /// Was what is known told by a daemon that is there? With the lock held.
+  bool is_of_the_living() const {
+    return !knows_living_ || places_.empty() ||
+           std::find(living_.begin(), living_.end(), places_.front()) != living_.end();
   }
 
   void take_samples() {
@@ -270,12 +307,13 @@ class Feed {
   }
 
   void keep(const T& sample, Place place) {
-    news_.push_back(sample);
     ++changes_;
-    for (std::deque<T>* come : watches_) {
-      if (come->size() == kWatched) come->pop_front();
-      come->push_back(sample);
-    }
+    const auto add = [&sample](std::deque<T>& waiting) {
+      if (waiting.size() == kWaiting) waiting.pop_front();
+      waiting.push_back(sample);
+    };
+    add(news_);
+    for (std::deque<T>* come : watches_) add(*come);
     for (std::size_t i = 0; i < known_.size(); ++i) {
       if (!Kept<T>::same_key(known_[i], sample)) continue;
       known_[i] = sample;
@@ -300,7 +338,9 @@ class Feed {
   std::function<Place(dds_entity_t, dds_instance_handle_t)> place_of_;
   std::vector<T> known_;
   std::vector<Place> places_;                // of each of them
-  std::vector<T> news_;                      // that were not told yet
+  std::vector<Place> living_;                // where a daemon is
+  bool knows_living_ = false;                // of topics without keys
+  std::deque<T> news_;                       // that were not told yet
   std::set<dds_instance_handle_t> writers_;  // that have sent something
   std::uint64_t changes_ = 0;
   mutable std::vector<std::deque<T>*> watches_;

@@ -1,5 +1,9 @@
 #include <cansync/job.h>
 
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <mutex>
 #include <utility>
 
 #include "client/src/job_state.h"
@@ -12,6 +16,21 @@ using std::chrono::milliseconds;
 constexpr milliseconds kLook(20);           // how often a stop flag is looked at
 constexpr milliseconds kCancelGrace(5000);  // a cancelled job's reply comes within this
 
+/// In a callback of the job's own client.
+template <class R>
+bool in_own_callback(const detail::JobState<R>& state) {
+  const auto link = state.link.lock();
+  return link && link->is_receiver();
+}
+
+template <class R>
+R not_in_a_callback() {
+  return detail::of_nobody<R>(
+      ReplyCode::no_reply,
+      "a callback of this client waits for the reply, which comes only when it has returned; whether the request "
+      "was done is not known; use then(), or another thread");
+}
+
 }  // namespace
 
 template <class R>
@@ -19,9 +38,10 @@ R Job<R>::wait() const {
   std::unique_lock lock(state_->mutex);
   for (;;) {
     if (state_->reply) return *state_->reply;
+    if (in_own_callback(*state_)) return not_in_a_callback<R>();
     if (state_->abandoned(std::chrono::steady_clock::now())) {
       lock.unlock();
-      state_->end_unheard();
+      state_->end_abandoned();
       lock.lock();
       continue;
     }
@@ -31,8 +51,21 @@ R Job<R>::wait() const {
 
 template <class R>
 std::optional<R> Job<R>::wait_for(milliseconds time) const {
+  const auto end = std::chrono::steady_clock::now() + time;
+  const bool waits = !in_own_callback(*state_);
   std::unique_lock lock(state_->mutex);
-  state_->changed.wait_for(lock, time, [&] { return state_->reply.has_value(); });
+  while (!state_->reply) {
+    const auto now = std::chrono::steady_clock::now();
+    if (state_->abandoned(now)) {
+      lock.unlock();
+      state_->end_abandoned();
+      lock.lock();
+    } else if (!waits || now >= end) {
+      break;
+    } else {
+      state_->changed.wait_until(lock, std::min(end, state_->last_moment()));
+    }
+  }
   return state_->reply;
 }
 
@@ -51,10 +84,11 @@ R Job<R>::wait(const std::atomic<bool>& stop, const OnProgress& on_progress) con
       lock.lock();
     }
     if (state_->reply) return *state_->reply;
+    if (in_own_callback(*state_)) return not_in_a_callback<R>();
     const auto now = std::chrono::steady_clock::now();
     if (state_->abandoned(now)) {
       lock.unlock();
-      state_->end_unheard();
+      state_->end_abandoned();
       lock.lock();
       continue;
     }

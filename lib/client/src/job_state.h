@@ -23,6 +23,16 @@
 /// Internal to lib/client.
 namespace cansync::client::detail {
 
+/// The reply of a request that nobody has answered.
+template <class R>
+R of_nobody(ReplyCode code, const std::string& reason) {
+  R reply;
+  reply.code = code;
+  reply.reason = reason;
+  reply.speaker = Speaker::nobody;
+  return reply;
+}
+
 /// One request of a client, shared by its Job and the receiver thread.
 template <class R>
 struct JobState {
@@ -67,9 +77,26 @@ struct JobState {
                     text::duration_text(grace)));
   }
 
-  /// Ends the job; a second reply is ignored.
+  /// By who waits while the receiver thread, which then calls the callbacks, stands in one.
+  void end_abandoned() {
+    settle(of_nobody<R>(
+        ReplyCode::no_reply,
+        "no reply was taken in its time, for a callback of this client has not returned; whether "
+        "the request was done is not known"));
+  }
+
+  /// Ends the job, unless it has ended, and calls the callbacks.
   void finish(R&& terminal) {
+    settle(std::move(terminal));
     std::vector<std::function<void(const R&)>> waiting;
+    {
+      const std::lock_guard lock(mutex);
+      waiting.swap(callbacks);
+    }
+    for (const auto& callback : waiting) callback(*reply);
+  }
+  /// Ends the job; a second reply is ignored.
+  void settle(R&& terminal) {
     {
       const std::lock_guard lock(mutex);
       if (reply) return;
@@ -82,19 +109,11 @@ struct JobState {
             text::duration_text(monitoring + grace / 2), text::duration_text(monitoring));
       }
       reply = std::move(terminal);
-      waiting.swap(callbacks);
     }
     changed.notify_all();
-    for (const auto& callback : waiting) callback(*reply);
   }
   /// Nobody has answered, or nobody was there: no_reply or no_daemon.
-  void end(ReplyCode code, const std::string& reason) {
-    R terminal;
-    terminal.code = code;
-    terminal.reason = reason;
-    terminal.speaker = Speaker::nobody;
-    finish(std::move(terminal));
-  }
+  void end(ReplyCode code, const std::string& reason) { finish(of_nobody<R>(code, reason)); }
   /// The library itself does not send it.
   void refuse(RefusalCause cause, const std::string& reason) {
     R terminal;
@@ -136,7 +155,7 @@ class OpenJobs {
       JobState<R>& job = *entry->second;
       std::unique_lock lock(job.mutex);
       // Never both at once: the answer to the cancel has to have time to come.
-      const bool ended = job.reply.has_value() || (job.given_up && now >= job.end_at());
+      const bool ended = job.given_up && (job.reply.has_value() || now >= job.end_at());
       if (!job.given_up && now >= job.cancel_at()) {
         job.given_up = true;
         cancel.push_back(job.request);

@@ -56,6 +56,9 @@ Link::Link(const Options& options)
       identity_(dds::random_client_identity()),
       participant_(participant_options(options)) {
   gateway_.set_first_look([this](const GatewayStatus& status, dds_instance_handle_t writer) {
+    constexpr std::size_t kMost = 64;  // daemons of a bus
+    const std::lock_guard lock(heard_mutex_);
+    if (heard_.size() == kMost) heard_.erase(heard_.begin());
     heard_.push_back(
         {writer, dds::daemon_of(status), std::string(text(status.host)), std::string(text(status.protocol))});
   });
@@ -63,8 +66,8 @@ Link::Link(const Options& options)
   const auto where = [this](dds_entity_t reader, dds_instance_handle_t writer) {
     return place_of(reader, writer);
   };
-  slaves_.set_place_of(where);
-  actual_.set_place_of(where);
+  const auto set_place_of = [&where](auto&... feeds) { (feeds.set_place_of(where), ...); };
+  set_place_of(gateway_, bus_, realtime_, master_, slaves_, actual_);
   if (options.requests) requests_.emplace(participant_, identity_, &signal_, !options.security.empty());
 }
 
@@ -194,16 +197,23 @@ std::optional<std::pair<ReplyCode, std::string>> Link::obstacle() {
   return std::nullopt;
 }
 
+std::optional<dds::DaemonIdentity> Link::told_start() const {
+  std::optional<dds::DaemonIdentity> start;
+  gateway_.look([&](const std::vector<GatewayStatus>& known) {
+    if (!known.empty()) start = dds::daemon_of(known.front());
+  });
+  return start;
+}
+
 Validity Link::validity(MappingBytes* mapping) const {
   Validity validity;
-  (void)master_.wait(std::chrono::milliseconds(0), [&](const std::vector<MasterStatus>& known) {
-    if (known.empty()) return true;
+  master_.look([&](const std::vector<MasterStatus>& known) {
+    if (known.empty()) return;
     std::copy(std::begin(known.front().daemon), std::end(known.front().daemon), validity.daemon.begin());
     validity.mapping_number = known.front().mapping_number;
     if (mapping != nullptr)
       std::copy(std::begin(known.front().reference_mapping), std::end(known.front().reference_mapping),
                 mapping->begin());
-    return true;
   });
   return validity;
 }
@@ -260,9 +270,17 @@ std::string Link::not_found(std::chrono::milliseconds waited) const {
 }
 
 std::string Link::not_told(std::string_view topic) const {
-  return fmt::format(
-      "the daemon has told no {} ({}): {}", topic, participant_.place(),
-      other_protocol().empty() ? "has it the same version as this program?" : other_protocol());
+  // A client finds a daemon of its own data model; another one may have taken its place.
+  std::string why = other_protocol();
+  const std::vector<GatewayStatus> known = gateway_.known();
+  if (why.empty() && !known.empty() && known.front().data_model != gateway_DATA_MODEL)
+    why = fmt::format("it has data model {}, this program {}", known.front().data_model, gateway_DATA_MODEL);
+  return fmt::format("the daemon has told no {} in time ({}): {}", topic, participant_.place(),
+                     why.empty() ? "it has just begun, or the computer is busy; ask again" : why);
+}
+
+std::string Link::gone() const {
+  return fmt::format("no daemon is there ({})", participant_.place());
 }
 
 std::string Link::other_protocol() const {
@@ -323,6 +341,7 @@ std::vector<Place> Link::matched_places(dds_entity_t reader) {
 
 Place Link::place_of(dds_entity_t reader, dds_instance_handle_t writer) {
   constexpr std::size_t kMost = 1024;  // far more than daemons that live
+  const std::lock_guard lock(places_mutex_);
   if (places_.size() >= kMost) places_.clear();
   const auto known = places_.find(writer);
   if (known != places_.end()) return known->second;
@@ -333,7 +352,12 @@ Place Link::place_of(dds_entity_t reader, dds_instance_handle_t writer) {
 
 void Link::choose_daemon(const std::vector<Place>& matched) {
   std::map<Place, Seen> seen;
-  for (const Heard& heard : heard_) {
+  std::vector<Heard> all;
+  {
+    const std::lock_guard lock(heard_mutex_);
+    all.swap(heard_);
+  }
+  for (const Heard& heard : all) {
     const Place place = place_of(gateway_.reader(), heard.writer);
     if (place == 0 || seen_.contains(place)) continue;
     const auto who = dds::identify_writer(participant_, gateway_.reader(), heard.writer);
@@ -341,11 +365,10 @@ void Link::choose_daemon(const std::vector<Place>& matched) {
   }
   const std::lock_guard lock(mutex_);
   seen_.merge(seen);
-  for (const Heard& heard : heard_) {
+  for (const Heard& heard : all) {
     choice_.heard(place_of(gateway_.reader(), heard.writer), heard.daemon);
     protocol_ = heard.protocol;
   }
-  heard_.clear();
   choice_.look(std::chrono::steady_clock::now(), matched);
   std::erase_if(seen_, [&](const auto& one) {
     return std::find(matched.begin(), matched.end(), one.first) == matched.end();
@@ -355,6 +378,7 @@ void Link::choose_daemon(const std::vector<Place>& matched) {
 void Link::receive() {
   // Signals wake the loop; the period is for what might never signal, and for replies that do not come.
   constexpr std::int64_t kPeriodMs = 500;
+  receiver_id_ = std::this_thread::get_id();
   const auto period = static_cast<int>(std::clamp<std::int64_t>(options_.grace.count() / 4, 1, kPeriodMs));
   while (!stop_) {
     (void)signal_.wait(period);
@@ -422,6 +446,8 @@ void Link::take_feeds(const std::vector<Place>& matched, bool present) {
     if (choice_.view() != dds::DaemonChoice::View::one)
       living.insert(living.end(), matched.begin(), matched.end());
   }
+  const auto set_living = [&](auto&... feeds) { (feeds.set_living(present ? living : matched), ...); };
+  set_living(gateway_, bus_, realtime_, master_);
   if (!present) living.clear();
   slaves_.keep_of(living);
   actual_.keep_of(living);

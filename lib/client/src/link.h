@@ -54,6 +54,8 @@ class Link : public std::enable_shared_from_this<Link> {
 
   /// Ends the receiver thread and every open job. Not from a callback.
   void close();
+  /// Is this the receiver thread, which runs the callbacks?
+  bool is_receiver() const noexcept { return receiver_id_ == std::this_thread::get_id(); }
 
   bool daemon_present() const;
   /// Why nothing is asked or given now, because several daemons serve the bus, or only that of another computer than the
@@ -63,6 +65,8 @@ class Link : public std::enable_shared_from_this<Link> {
   bool is_there(const dds::DaemonIdentity& start) const;
   /// Are requests for this start of the daemon, and does it hear them?
   bool asks(const dds::DaemonIdentity& start) const;
+  /// The start of the daemon that told of itself last, whether it is there or not; nothing: none has.
+  std::optional<dds::DaemonIdentity> told_start() const;
   /// The program was told of this start of the daemon.
   void program_told_of(const dds::DaemonIdentity& start);
   /// As the daemon has told last; after `connect`. `mapping` (null: not wanted): the reference mapping of it.
@@ -71,14 +75,13 @@ class Link : public std::enable_shared_from_this<Link> {
   template <class Look>
   auto with_owners(Look&& look) const {
     decltype(look(dds::OwnerSeen{}, dds::OwnerSeen{})) out{};
-    (void)master_.wait(std::chrono::milliseconds(0), [&](const std::vector<MasterStatus>& known) {
-      if (known.empty()) return true;
+    master_.look([&](const std::vector<MasterStatus>& known) {
+      if (known.empty()) return;
       const auto seen = [&](unsigned telegram) {
         const auto& release = known.front().reference_release[telegram];
         return dds::owner_seen(release.writer, release.strength, release.writer_guid);
       };
       out = look(seen(0), seen(1));
-      return true;
     });
     return out;
   }
@@ -86,6 +89,8 @@ class Link : public std::enable_shared_from_this<Link> {
   SettingsBook& settings() noexcept { return settings_; }
   /// Throws OtherProtocol when the bus is known to be served with another protocol than CANsync's master.
   void expect_own_protocol() const;
+  /// That no daemon is there, and where one was looked for.
+  std::string gone() const;
   /// Why nothing was written to a topic that the identity may not write.
   std::string not_permitted(std::string_view topic) const;
   const dds::Participant& participant() const noexcept { return participant_; }
@@ -101,7 +106,7 @@ class Link : public std::enable_shared_from_this<Link> {
   /// The feed with its reader open.
   template <class T>
   Feed<T>& open();
-  /// The newest sample of a topic without keys; waits for the first. Throws NoDaemon.
+  /// The newest sample of a topic without keys, of a daemon that is there; waits for the first. Throws NoDaemon.
   template <class T>
   T first(std::string_view topic);
   /// The same; nothing when it does not come within `time`.
@@ -225,12 +230,16 @@ class Link : public std::enable_shared_from_this<Link> {
   OpenJobs<TransferReply> transfer_jobs_;
   OpenJobs<CommandReply> command_jobs_;
 
+  std::mutex heard_mutex_;
+  std::vector<Heard> heard_;  // since the last look
+  std::mutex places_mutex_;
+  std::map<dds_instance_handle_t, Place> places_;  // of writers that are matched
+
   // Receiver thread only.
   std::chrono::steady_clock::time_point looked_at_time_;
-  std::vector<Heard> heard_;                       // since the last look
-  std::map<dds_instance_handle_t, Place> places_;  // of writers that are matched
-  std::vector<Place> reached_;                     // daemons of which every topic is known
+  std::vector<Place> reached_;  // daemons of which every topic is known
   std::atomic<bool> stop_ = false;
+  std::atomic<std::thread::id> receiver_id_;
   std::thread receiver_;
 };
 
@@ -282,27 +291,23 @@ T Link::first(std::string_view topic) {
   constexpr std::chrono::milliseconds kFirst(2000);
   // Only a bus of CANsync has it: what will never come is not waited for.
   if constexpr (std::is_same_v<T, MasterStatus>) expect_own_protocol();
-  const std::optional<T> newest = first_within<T>(kFirst);
-  if (!newest) throw NoDaemon(not_told(topic));
+  // Of a daemon that has gone nothing comes; a program that looks in each of its cycles is not held up.
+  const bool present = daemon_present();
+  const std::optional<T> newest = first_within<T>(present ? kFirst : std::chrono::milliseconds(0));
+  if (!newest) throw NoDaemon(daemon_present() ? not_told(topic) : gone());
   return *newest;
 }
 
 template <class T>
 std::optional<T> Link::first_within(std::chrono::milliseconds time) {
-  std::optional<T> newest;
-  (void)open<T>().wait(time, [&newest](const std::vector<T>& known) {
-    if (!known.empty()) newest = known.front();
-    return newest.has_value();
-  });
-  return newest;
+  return open<T>().wait_present(time);
 }
 
 template <class T>
 Subscription Link::subscribe(std::function<void(const T&)> callback) {
   auto hold = std::make_shared<Subscription::Hold>();
-  hold->callback = [function = std::move(callback)](const void* sample) {
-    function(*static_cast<const T*>(sample));
-  };
+  hold->callback = std::make_shared<const std::function<void(const void*)>>(
+      [function = std::move(callback)](const void* sample) { function(*static_cast<const T*>(sample)); });
   open<T>().add(hold);
   signal_.raise();  // what is known already is delivered now
   return Subscription(std::move(hold));

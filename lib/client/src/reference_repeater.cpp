@@ -6,9 +6,11 @@
 #include <atomic>
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 
+#include "client/src/link.h"
 #include "client/src/reference_turn.h"
 #include "text/counts.h"
 
@@ -25,7 +27,8 @@ std::uint32_t needed(std::chrono::microseconds period, std::uint64_t interval_ns
 
 struct ReferenceRepeater::Impl {
   Impl(Client& client, std::chrono::microseconds every, std::int32_t strength, std::uint32_t intervals)
-      : writer(client, strength),
+      : link(client.link_),
+        writer(client, strength),
         period(std::max(every, kShortest)),
         wanted_release(intervals),
         interval_length(client.master_status().interval_length),
@@ -49,10 +52,7 @@ struct ReferenceRepeater::Impl {
     auto next = std::chrono::steady_clock::now();
     std::unique_lock lock(mutex);
     while (!stopped) {
-      if (std::exchange(wanted_again, false)) {
-        writer.take_up();
-        standing = ReferenceStanding::current;
-      }
+      if (const auto meant_for = std::exchange(wanted_again, {})) writer.take_up(*meant_for);
       const std::array<RepeatedTelegram, 2> now = telegrams;
       lock.unlock();
       std::string failed = write_turn(now, [&](std::uint8_t telegram, const RepeatedTelegram& values) {
@@ -60,8 +60,10 @@ struct ReferenceRepeater::Impl {
       });
       const ReferenceStanding seen = writer.standing();
       lock.lock();
-      if (standing == ReferenceStanding::current) error = std::move(failed);
-      if (seen != ReferenceStanding::current && !wanted_again) lose(seen);
+      if (!wanted_again) {
+        if (standing == ReferenceStanding::current) error = std::move(failed);
+        if (seen != ReferenceStanding::current) lose(seen);
+      }
       // What was missed is not made up for.
       next = std::max(next + period, std::chrono::steady_clock::now());
       changed.wait_until(lock, next, [&] { return stopped; });
@@ -82,6 +84,7 @@ struct ReferenceRepeater::Impl {
     telegrams = {};
   }
 
+  const std::shared_ptr<detail::Link> link;
   ReferenceWriter writer;
   const std::chrono::microseconds period;
   const std::uint32_t wanted_release;          ///< 0: what the period needs
@@ -91,7 +94,7 @@ struct ReferenceRepeater::Impl {
   std::condition_variable changed;
   std::array<RepeatedTelegram, 2> telegrams;
   bool stopped = false;
-  bool wanted_again = false;  ///< take_up was called
+  std::optional<Validity> wanted_again;  ///< what take_up was called for, until the thread has seen it
   ReferenceStanding standing = ReferenceStanding::current;
   std::string error;
   std::thread thread;
@@ -134,9 +137,14 @@ ReferenceStanding ReferenceRepeater::standing() const {
 }
 
 void ReferenceRepeater::take_up() {
+  take_up(impl_->link->validity());
+}
+
+void ReferenceRepeater::take_up(const Validity& meant_for) {
   const std::lock_guard lock(impl_->mutex);
   impl_->telegrams = {};
-  impl_->wanted_again = true;
+  impl_->wanted_again = meant_for;
+  impl_->standing = ReferenceStanding::current;
 }
 
 std::string ReferenceRepeater::error() const {

@@ -28,6 +28,19 @@ static_assert(static_cast<int>(Mode::restart) == cansync_MODE_RESTART);
 
 const std::atomic<bool> kNeverStop = false;
 
+/// Of a function that waits for the reply.
+template <class R>
+R refused_in_a_callback() {
+  R reply;
+  reply.code = ReplyCode::refused;
+  reply.cause = RefusalCause::field;
+  reply.speaker = Speaker::client;
+  reply.reason =
+      "a callback of this client cannot wait for a reply, which comes only when it has returned; nothing was sent; use "
+      "submit and then(), or another thread";
+  return reply;
+}
+
 }  // namespace
 
 ParameterJob Client::submit(const ParameterRequest& request) {
@@ -38,11 +51,13 @@ TransferJob Client::submit(const TransferRequest& request) {
 }
 
 ParameterReply Client::read(std::uint32_t slave, std::uint32_t number, std::uint32_t timeout_ms) {
+  if (link_->is_receiver()) return refused_in_a_callback<ParameterReply>();
   return submit(ParameterRequest{.slave = slave, .number = number, .timeout_ms = timeout_ms}).wait();
 }
 
 ParameterReply Client::write(std::uint32_t slave, std::uint32_t number, std::uint32_t value,
                              std::uint32_t timeout_ms) {
+  if (link_->is_receiver()) return refused_in_a_callback<ParameterReply>();
   return submit(
              ParameterRequest{
                  .write = true, .slave = slave, .number = number, .value = value, .timeout_ms = timeout_ms})
@@ -51,12 +66,14 @@ ParameterReply Client::write(std::uint32_t slave, std::uint32_t number, std::uin
 
 TransferReply Client::upload(std::uint32_t slave, std::uint32_t address, std::uint32_t length,
                              const OnProgress& on_progress) {
+  if (link_->is_receiver()) return refused_in_a_callback<TransferReply>();
   return submit(TransferRequest{.slave = slave, .address = address, .length = length})
       .wait(kNeverStop, on_progress);
 }
 
 TransferReply Client::download(std::uint32_t slave, std::uint32_t address, std::vector<std::uint8_t> data,
                                const OnProgress& on_progress) {
+  if (link_->is_receiver()) return refused_in_a_callback<TransferReply>();
   return submit(
              TransferRequest{.download = true, .slave = slave, .address = address, .data = std::move(data)})
       .wait(kNeverStop, on_progress);

@@ -12,6 +12,7 @@
 #include "dbc/database.h"
 #include "dbc/encode.h"
 #include "j1939/client/groups.h"
+#include "j1939/identifier.h"
 #include "signals/signal_file.h"
 #include "text/counts.h"
 
@@ -91,10 +92,16 @@ std::optional<NamedMessage> Signals::decode(std::uint32_t identifier, bool exten
 }
 
 std::optional<NamedMessage> Signals::decode_group(std::uint32_t pgn, std::uint8_t source,
+                                                  std::uint8_t destination,
                                                   std::span<const std::uint8_t> data) const {
-  const dbc::Message* message = names_->groups.find(pgn, source);
+  const dbc::Message* message = names_->groups.find(pgn, source, destination).message;
   if (message == nullptr) return std::nullopt;
   return named(*message, j1939::client::read_group(*message, data));
+}
+
+std::optional<NamedMessage> Signals::decode_group(std::uint32_t pgn, std::uint8_t source,
+                                                  std::span<const std::uint8_t> data) const {
+  return decode_group(pgn, source, j1939::kGlobalAddress, data);
 }
 
 EncodedMessage Signals::encode(const std::string& message, const std::map<std::string, Setting>& signals,

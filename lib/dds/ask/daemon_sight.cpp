@@ -186,7 +186,8 @@ std::optional<DaemonSight::Obstacle> DaemonSight::obstacle() {
   if (!reached()) {
     return Obstacle{false,
                     "the daemon has just come, and not all of its topics are known here yet; nothing was "
-                    "sent; try again"};
+                    "sent; try again",
+                    true};
   }
   if (!choice_.to_be_told()) return std::nullopt;
   return refused(

@@ -88,6 +88,8 @@ class DaemonSight {
   struct Obstacle {
     bool gone = false;  ///< no daemon is there; false: one may not be asked, cause CAUSE_OTHER_DAEMON
     std::string reason;
+    bool passes =
+        false;  ///< soon, without anybody doing anything; what is asked then is for the daemon that is meant now
   };
 
   /// Endpoints of this program over which a daemon is asked and answers. What its identity may not write does

@@ -40,7 +40,9 @@ std::optional<Ended> RequestClient::obstacle() {
   auto found = sight_.obstacle();
   if (!found) return std::nullopt;
   if (found->gone) return Ended{.reason = std::move(found->reason)};
-  return refused(gateway_CAUSE_OTHER_DAEMON, std::move(found->reason));
+  Ended ended = refused(gateway_CAUSE_OTHER_DAEMON, std::move(found->reason));
+  ended.passes = found->passes;
+  return ended;
 }
 
 std::optional<Ended> RequestClient::not_written(dds_return_t code, std::string_view topic,

@@ -30,6 +30,7 @@ struct Ended {
   gateway_ReplyCode code = gateway_REPLY_DONE;
   gateway_RefusalCause cause = gateway_CAUSE_NONE;  ///< of REPLY_REFUSED
   std::string reason;                               ///< empty when done
+  bool passes = false;  ///< of a refusal: its cause ends soon, and nobody has to do anything
 };
 
 /// A refusal that the program gives itself: nothing was written.

@@ -8,7 +8,7 @@ import weakref
 from ._link import Link, in_callback, must_not_wait
 from ._native import ffi, lib
 from .codes import Code, Mode
-from .errors import error_of
+from .errors import NotConnected, error_of
 from .jobs import Job, Progress
 from .parameters import Parameter, Value
 from .references import References
@@ -82,10 +82,12 @@ class Client:
     def status(self, topic: type[T]) -> T: ...
 
     def status(self, topic: typing.Any = MasterStatus) -> typing.Any:
-        """What the daemon told last, at most about a second old.
+        """What the daemon that is there told last, at most about a second old. That it was killed, or its network is cut, is known
+        after 5 s.
 
         topic: MasterStatus, the line; GatewayStatus, which daemon serves it; BusStatus, the CAN interface; RealtimeStatus.
-        For the first sample of the last two it waits at most 2 s, but not in a callback; NotConnected when none comes.
+        For the first sample of a daemon it waits at most 2 s, but not in a callback. NotConnected: at once when no daemon is
+        there, or none came.
         """
         return self._sample(topic, 0, _FIRST)
 
@@ -103,17 +105,20 @@ class Client:
         return typing.cast(ActualValues, self._sample(ActualValues, self.slave(slave), timeout))
 
     def wait_active(self, timeout: float = 30.0) -> None:
-        """Waits until the line is in run and every configured slave synchronized. Timeout."""
+        """Waits until the line is in run and every configured slave synchronized. Timeout; NotConnected: in the end no daemon
+        was there."""
         reason: list[Exception] = []
 
         def active() -> bool:
             try:
                 return self._link.call(lib.cansync_wait_active, 0)
-            except TimeoutError as error:
+            except (NotConnected, TimeoutError) as error:
                 reason[:] = [error]
                 return False
 
         if not self._link.poll(timeout, active):
+            if isinstance(reason[0], NotConnected):
+                raise reason[0]
             raise error_of(Code.TIMEOUT, f"client: not within {timeout} s: {str(reason[0]).removeprefix('client: ')}")
 
     def slave(self, number_or_name: Slave) -> int:
@@ -126,12 +131,17 @@ class Client:
             return int(found[0])
         # Each time anew: a reload of the daemon may give the name to another slave.
         known: dict[str, int] = {}
+        twice: list[str] = []  # each slave has a sample of its own: while names are exchanged two bear the same one
 
         def look() -> bool:
             statuses = self._known_slaves()
             known.clear()
-            known.update((status.name, status.slave) for status in statuses if status.name)
-            return number_or_name in known or len(statuses) == self.status().slaves_configured.bit_count()
+            twice.clear()
+            for status in statuses:
+                if status.name:
+                    twice.extend([status.name] if status.name in known else [])
+                    known[status.name] = status.slave
+            return number_or_name in known and number_or_name not in twice or len(statuses) == self.status().slaves_configured.bit_count()
 
         if not in_callback():
             self._link.poll(_FIRST, look)
@@ -140,6 +150,9 @@ class Client:
         if number_or_name not in known:
             names = ", ".join(known) or "a name, but no slave has one"
             raise error_of(Code.INVALID, f"client: slave '{number_or_name}': no slave has this name; allowed 0..31 or {names}")
+        if number_or_name in twice:
+            raise error_of(Code.INVALID, f"client: slave '{number_or_name}': two slaves bear this name at the moment; ask again, "
+                           "or give a number")
         return known[number_or_name]
 
     def follow(self, topic: type[T], *, depth: int = 10000, timeout: float | None = None) -> Stream[T]:
@@ -161,6 +174,7 @@ class Client:
 
         timeout: monitoring time; None: the daemon's
         """
+        must_not_wait()
         return self.submit_read(slave, parameter, timeout=timeout)._finish()
 
     def write(self, slave: Slave, parameter: int | str, value: float, *, timeout: float | None = None) -> None:
@@ -169,6 +183,7 @@ class Client:
 
         After OutcomeUnknown read it back: whether the slave took it is not known.
         """
+        must_not_wait()
         self.submit_write(slave, parameter, value, timeout=timeout)._finish()
 
     def submit_read(self, slave: Slave, parameter: int | str, *, timeout: float | None = None, sub_slave: int = 0,
@@ -226,10 +241,12 @@ class Client:
 
         progress: called with bytes done and in total, on this thread; what it raises cancels the transfer
         """
+        must_not_wait()
         return self.submit_upload(slave, address, size)._finish(progress)
 
     def download(self, slave: Slave, address: int, data: bytes, progress: Progress | None = None) -> None:
         """Writes 1..16777216 bytes to a start address of a slave. When it fails the slave may hold a part."""
+        must_not_wait()
         self.submit_download(slave, address, data)._finish(progress)
 
     def submit_upload(self, slave: Slave, address: int, size: int, *, timeout: float | None = None, sub_slave: int = 0,
@@ -352,6 +369,7 @@ class Client:
         return self._submit(lib.cansync_submit_transfer, "cansync_transfer_request *", request, convert)
 
     def _command(self, kind: int, **members: typing.Any) -> None:
+        must_not_wait()
         job = self._submit(lib.cansync_submit_command, "cansync_command_request *", dict(members, kind=kind),
                            lambda reply: None)
         job._finish()

@@ -28,7 +28,8 @@ class References:
         self.take_up()
 
     def take_up(self) -> None:
-        """What is given from now on is meant for the daemon and the mapping in force now. Waits at most 2 s for it."""
+        """What is given from now on is meant for the daemon and the mapping in force now. Waits at most 2 s for a daemon that
+        takes values; other calls of this client wait meanwhile. NotConnected: there was none."""
         self._link.call(lib.cansync_take_references, self._strength)
 
     def give(self, telegram: int, values: typing.Sequence[int | None], *, release_intervals: int = 1,

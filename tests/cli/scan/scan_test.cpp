@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <sstream>
 
 #include "cli/app/application.h"
 
@@ -89,6 +90,18 @@ TEST_F(ScanVerb, TellsTheSameAsObjects) {
   EXPECT_TRUE(says(R"({"kind":"foreign","identifier":419369524,"extended":true,"remote":false,"count":50,)"
                    R"("lengths":[1]})"))
       << data_;
+}
+
+TEST_F(ScanVerb, OfALogThatHasEachFrameTwiceTellsWhatTheLineHas) {
+  ASSERT_EQ(run_scan({log_}), ExitCode::done);
+  const std::string once = data_;
+  std::istringstream lines(small_log());
+  std::ofstream twice(log_);
+  for (std::string line; std::getline(lines, line);) twice << line << '\n' << line << '\n';
+  twice.close();
+  EXPECT_EQ(run_scan({log_}), ExitCode::done);
+  EXPECT_EQ(data_, once);
+  EXPECT_NE(remarks_.find("each frame stands there twice"), std::string::npos) << remarks_;
 }
 
 TEST_F(ScanVerb, SaysThatTheTypedRateIsAnother) {

@@ -104,6 +104,18 @@ TEST_F(ModeMaCommands, ASetUpThatIsPastIsNoCommand) {
   EXPECT_EQ(command(block, 4).mode, cansync_MODE_SETUP);
 }
 
+TEST_F(ModeMaCommands, RunThatIsWantedAnewWhileTheReplyToTheOneBeforeIsOnItsWayIsGivenAgain) {
+  daemon.keep_modes_back(true);
+  block.x_CANsync_RUN = true;
+  EXPECT_EQ(command(block, 1).mode, cansync_MODE_RUN);
+  block.x_CANsync_RUN = false;
+  cycle(block, now);
+  block.x_CANsync_RUN = true;
+  cycle(block, now);
+  daemon.keep_modes_back(false);
+  EXPECT_EQ(command(block, 2).mode, cansync_MODE_RUN);
+}
+
 // What the block took down and somebody has set up since may be another program's.
 TEST_F(ModeMaCommands, ALineThatIsBackSinceTheOwnResetIsNotSetUp) {
   set_state(cansync::State::active_master);

@@ -205,7 +205,8 @@ TEST(PdCommRestart, AfterANewStartOfTheDaemonSettingsAreEnteredAgainAndValuesWai
   block.si_WRC1_SEND = 5;
   block.a_WR_VALUES_SEND[0] = 78;
   ASSERT_TRUE(repeat_until(call_all, [&] { return !daemon->references().empty(); }));
-  EXPECT_EQ(daemon->references(), std::vector<std::int32_t>(daemon->references().size(), 78));
+  const std::vector<std::int32_t> taken = daemon->references();
+  EXPECT_EQ(taken, std::vector<std::int32_t>(taken.size(), 78));
   // Older values named the start before and were refused for it; none names the mapping before its own.
   const std::vector<std::int32_t> refused = daemon->refused_references();
   EXPECT_EQ(std::count(refused.begin(), refused.end(), 78), 0);

@@ -28,16 +28,14 @@ std::uint32_t mask_of(std::span<const unsigned> slaves) {
 }  // namespace
 
 std::uint32_t Session::slave_mask(std::string_view list) {
-  // The names come with the status of the slaves.
-  const auto known = [this] { return client().slaves(search_time()); };
-  return parse_slave_list(list,
-                          {[&](std::string_view name) {
-                             for (const client::SlaveStatus& slave : known())
-                               if (client::text(slave.name) == name) return int{slave.slave};
-                             return -1;
-                           },
-                           [this] { return client().master_status().slaves_configured; },
-                           [this](std::string_view name) { return client().find_slave(name).problem; }});
+  std::string problem;
+  return parse_slave_list(list, {[&](std::string_view name) {
+                                   const client::SlaveLookup found = client().find_slave(name);
+                                   problem = found.problem;
+                                   return found.slave ? int{*found.slave} : -1;
+                                 },
+                                 [this] { return client().master_status().slaves_configured; },
+                                 [&](std::string_view /*name*/) { return problem; }});
 }
 
 std::vector<unsigned> Session::slaves(std::string_view list) {

@@ -278,15 +278,18 @@ void announce(Output& output, const SetTexts& texts, const Pace& pace, std::int3
 }
 
 /// Gives the values until the time is over or Ctrl-C came; then gives the telegrams up.
-ExitCode stream(Session& session, const Telegrams& telegrams, const Pace& pace, std::int32_t strength) {
+ExitCode stream(Session& session, const Telegrams& telegrams, const client::Validity& meant_for,
+                const Pace& pace, std::int32_t strength) {
   client::Client& client = session.client();
   ReferenceEffect effect(telegrams, strength, name_of_this_process());
   Complaints complaints(client, effect);
   const auto look = [&] {
-    if (const std::string told = effect.look(client.master_status()); !told.empty())
-      session.output().remark(told);
+    const auto status = client.master_status(std::chrono::milliseconds(0));
+    if (!status) return;  // that the daemon has gone is told below
+    if (const std::string told = effect.look(*status); !told.empty()) session.output().remark(told);
   };
   client::ReferenceWriter writer(client, strength);
+  writer.take_up(meant_for);
   const auto start = Clock::now();
   const auto length = std::chrono::duration<double>(pace.seconds.value_or(0.0));
   const auto end =
@@ -344,7 +347,10 @@ ExitCode set_verb(Session& session, const SetTexts& texts) {
   warn(session.output(), telegrams, status);
   if (status.option_status == kActiveMaster) warn_of_faults(session);
   announce(session.output(), texts, pace, strength);
-  return stream(session, telegrams, pace, strength);
+  // Names and units are those of this status, whatever has come since.
+  client::Validity meant_for{.mapping_number = status.mapping_number};
+  std::copy(std::begin(status.daemon), std::end(status.daemon), meant_for.daemon.begin());
+  return stream(session, telegrams, meant_for, pace, strength);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <optional>
 
 #include "cli/base/interrupt.h"
 #include "cli/base/restarts.h"
@@ -107,7 +108,7 @@ class Wait {
       return wants_none && !interrupt_flag().load();
     }
     if (state_.of == WaitState::Of::daemon) return true;
-    mask_ = state_.of == WaitState::Of::slaves ? session_.configured_slaves(texts_.slaves) : 0;
+    knows_slaves_ = false;
     Changes changes(*client, state_.of);
     Restarts restarts(*client);
     for (;;) {
@@ -115,23 +116,43 @@ class Wait {
         seen_ = "no daemon";
         return wants_none && !interrupt_flag().load();
       }
-      if (restarts.take()) session_.output().remark(kStartedAnew);
+      if (restarts.take()) {
+        session_.output().remark(kStartedAnew);
+        knows_slaves_ = false;
+      }
       restarts.expect_one();
-      const WaitLook now = look_at(*client);
-      seen_ = seen(state_, now);
-      if (is_reached(state_, now)) return true;
+      if (const auto now = look_at(*client)) {
+        seen_ = seen(state_, *now);
+        if (is_reached(state_, *now)) return true;
+      }
       if (over()) return false;
       changes.wait_until(std::min(end_, Clock::now() + kLook));
     }
   }
 
-  WaitLook look_at(const client::Client& client) const {
-    WaitLook now{{}, {}, mask_};
-    if (state_.of == WaitState::Of::master) now.master = client.master_status();
-    if (state_.of == WaitState::Of::slaves) now.slaves = client.slaves(std::chrono::milliseconds(0));
-    if (state_.of == WaitState::Of::controller)
-      now.controller = client::text(client.bus_status().controller_state);
+  /// Nothing: the daemon has just gone.
+  std::optional<WaitLook> look_at(const client::Client& client) {
+    WaitLook now{};
+    try {
+      now.wanted = slaves_meant();
+      if (state_.of == WaitState::Of::master) now.master = client.master_status();
+      if (state_.of == WaitState::Of::slaves) now.slaves = client.slaves(std::chrono::milliseconds(0));
+      if (state_.of == WaitState::Of::controller)
+        now.controller = client::text(client.bus_status().controller_state);
+    } catch (const client::OtherProtocol&) {
+      throw;
+    } catch (const client::NoDaemon&) {
+      return std::nullopt;
+    }
     return now;
+  }
+
+  /// Those that are named keep their numbers as long as the daemon runs; all are those that are configured now.
+  std::uint32_t slaves_meant() {
+    if (state_.of != WaitState::Of::slaves) return 0;
+    if (!knows_slaves_ || texts_.slaves.empty()) mask_ = session_.configured_slaves(texts_.slaves);
+    knows_slaves_ = true;
+    return mask_;
   }
 
   std::chrono::milliseconds left() const {
@@ -145,6 +166,7 @@ class Wait {
   Clock::time_point start_;
   Clock::time_point end_ = Clock::time_point::max();
   std::uint32_t mask_ = 0;
+  bool knows_slaves_ = false;
   std::string seen_ = "nothing";
 };
 

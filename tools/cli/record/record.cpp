@@ -121,7 +121,7 @@ Recorded record(Session& session, const RecordPlan& plan, RecordFile& file, std:
     else if (restarts.gone() || !client.several_daemons().empty())
       recorded.ended = "daemon_gone";
     const bool anew = restarts.take();
-    rows.set_polling(client.master_status());
+    if (const auto status = client.master_status(std::chrono::milliseconds(0))) rows.set_polling(*status);
     // Samples of the start before may be among them.
     for (const client::ActualValues& sample : samples.take_all()) rows.take(sample);
     if (anew) {

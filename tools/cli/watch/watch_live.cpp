@@ -65,16 +65,12 @@ class LiveView {
   bool daemon_present() const noexcept { return model_.daemon_present(); }
 
   void look() {
-    const bool present = client_.daemon_present();
-    const client::MasterStatus status = client_.master_status();
+    const bool present = take_newest();
     model_.set_daemon(present, client_.place());
     if (frozen_) frozen_->set_daemon(present, client_.place());
-    if (present)
-      rows_ =
-          watch_rows(client_, settings_.every_slave ? status.slaves_configured : settings_.slaves, faults_);
     for (WatchRow& row : rows_) row.parameters = turns_.of(row.status.slave);
     if (present) turns_.begin_round();
-    model_.look(line_facts(client_), status, rows_, wall_clock());
+    model_.look(facts_, status_, rows_, wall_clock());
     if (restarts_.take()) model_.tell(wall_clock(), "daemon_restarted", std::string(kStartedAnew));
     restarts_.expect_one();
     arrivals_.give_to(model_);
@@ -102,6 +98,20 @@ class LiveView {
   }
 
  private:
+  /// False: no daemon is there, and what it told last stays.
+  bool take_newest() {
+    try {
+      if (!client_.daemon_present()) return false;
+      status_ = client_.master_status();
+      facts_ = line_facts(client_);
+      rows_ =
+          watch_rows(client_, settings_.every_slave ? status_.slaves_configured : settings_.slaves, faults_);
+      return true;
+    } catch (const client::NoDaemon&) {  // it went meanwhile
+      return false;
+    }
+  }
+
   const LiveModel& shown() const { return frozen_ ? *frozen_ : model_; }
 
   client::Client& client_;
@@ -111,7 +121,10 @@ class LiveView {
   ParameterTurns turns_;
   LiveModel model_;
   std::optional<LiveModel> frozen_;  ///< what is shown while paused
-  std::vector<WatchRow> rows_;       ///< the newest from a living daemon
+  // The newest from a living daemon.
+  client::MasterStatus status_{};
+  LineFacts facts_;
+  std::vector<WatchRow> rows_;
   ViewState state_;
   Arrivals arrivals_;
   Restarts restarts_;

@@ -75,8 +75,9 @@ typedef struct cansync_line_status {
   uint32_t slaves_synchronized; /* likewise: those that are locked to SYNC */
 } cansync_line_status;
 
-/* What the daemon told last, at most about a second old while it lives; waits for nothing.
- * CANSYNC_INVALID: `out` is NULL. */
+/* What the daemon told last, at most about a second old; waits for nothing. CANSYNC_INVALID: `out` is NULL;
+ * CANSYNC_NO_DAEMON: none is there (that it was killed, or its network is cut, is known after 5 s);
+ * CANSYNC_NO_DATA: it was just started. */
 CANSYNC_C_API int cansync_get_status(cansync_client* client, cansync_line_status* out) CANSYNC_C_NOEXCEPT;
 
 /* Waits until the line is in run and every configured slave is synchronized, as the daemon tells that is there.
@@ -131,7 +132,8 @@ typedef struct cansync_actual_values {
   int64_t receive_time_ns; /* CLOCK_REALTIME */
 } cansync_actual_values;
 
-/* The newest actual values of a slave; waits at most `timeout_ms` for the first. CANSYNC_NO_DATA. */
+/* The newest actual values of a slave; waits at most `timeout_ms` for the first. CANSYNC_NO_DATA;
+ * CANSYNC_NO_DAEMON: none is there. */
 CANSYNC_C_API int cansync_get_actual_values(cansync_client* client, uint32_t slave, uint32_t timeout_ms,
                                             cansync_actual_values* out) CANSYNC_C_NOEXCEPT;
 

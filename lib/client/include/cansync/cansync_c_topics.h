@@ -27,9 +27,10 @@ enum cansync_topic {
   CANSYNC_TOPIC_REALTIME_STATUS = 8 /* gateway_RealtimeStatus; likewise */
 };
 
-/* Copies the newest sample that is known into `out`; `size` is that of the struct. Of the status of master
- * and gateway, which is there since the connecting, of bus and realtime, and of a slave's status and actual
- * values, for which `slave` is looked at: it waits at most `timeout_ms` for the first. CANSYNC_NO_DATA: none came; CANSYNC_INVALID: another topic, slave or size. */
+/* Copies what the daemon told last into `out`; `size` is that of the struct. Of the status of master, gateway, bus and
+ * realtime, and of a slave's status and actual values, for which `slave` is looked at. Waits at most `timeout_ms` for
+ * the first. CANSYNC_NO_DATA: none came; CANSYNC_NO_DAEMON: none is there; CANSYNC_INVALID: another topic, slave or
+ * size. */
 CANSYNC_C_API int cansync_get_sample(cansync_client* client, int topic, uint32_t slave, uint32_t timeout_ms,
                                      void* out, size_t size) CANSYNC_C_NOEXCEPT;
 

@@ -51,7 +51,7 @@ struct CANSYNC_PUBLIC SlaveLookup {
 };
 
 /// Ends its callback when it is destroyed; after that the callback is not running and never called again.
-/// Must not be destroyed from inside its own callback. May outlive the client.
+/// Destroyed in its own callback it ends when that has returned. May outlive the client.
 class CANSYNC_PUBLIC Subscription {
  public:
   Subscription() = default;
@@ -70,8 +70,8 @@ class CANSYNC_PUBLIC Subscription {
 /// One connection to one bus.
 ///
 /// Every function may be called from any thread. One receiver thread per client takes what arrives and runs
-/// the callbacks of subscriptions: these must be short, must not throw, and must not wait for a job of this
-/// client.
+/// the callbacks of subscriptions: these must be short and must not throw. A job of the client cannot be waited for there:
+/// its reply comes after them. `wait` and what waits for a reply end at once there.
 class CANSYNC_PUBLIC Client {
  public:
   /// Waits until a daemon serves the bus and every request and reply is matched with it, so that nothing is
@@ -83,25 +83,32 @@ class CANSYNC_PUBLIC Client {
   Client(Client&&) noexcept;
   /// Closes the connection that this one had, as the destructor does, and takes over the other's.
   Client& operator=(Client&&) noexcept;
-  /// Open jobs end with `no_reply` here; the daemon goes on with them.
+  /// Open jobs end with `no_reply` here; the daemon goes on with them. In one of its own callbacks: as soon as that has
+  /// returned.
   ~Client();
 
-  // --- state: latest known. Each waits at most 2 s for the first, when it looks at its topic for the first
-  // time, and throws NoDaemon when none comes: the protocol of the bus may not have it.
+  // --- state: what a daemon that is there told last. Each waits at most 2 s for the first, when it looks at its topic
+  // for the first time or the daemon was just started, and throws NoDaemon when none comes: the protocol of the bus may
+  // not have it. When no daemon is there any more it throws NoDaemon at once; that one was killed, or its network is cut,
+  // is known after 5 s.
 
   /// Which daemon serves the bus, as it told last: its start, version and data model, host and process; whom
-  /// it has refused. At most about a second old while it lives.
+  /// it has refused. At most about a second old.
   GatewayStatus gateway_status() const;
+  /// The same, waiting at most `time`; nothing when no daemon that is there has told it.
+  std::optional<GatewayStatus> gateway_status(std::chrono::milliseconds time) const;
   /// The CAN controller and its interface. Waits at most 2 s for the first.
   BusStatus bus_status() const;
-  /// The same, waiting at most `time` for the first; nothing when it has not come.
+  /// The same, waiting at most `time`; nothing when no daemon that is there has told it.
   std::optional<BusStatus> bus_status(std::chrono::milliseconds time) const;
   /// What the realtime thread was granted, and what its timeline follows. Waits at most 2 s for the first.
   RealtimeStatus realtime_status() const;
-  /// The same, waiting at most `time` for the first; nothing when it has not come.
+  /// The same, waiting at most `time`; nothing when no daemon that is there has told it.
   std::optional<RealtimeStatus> realtime_status(std::chrono::milliseconds time) const;
-  /// The line of CANsync as the daemon told it last; at most about a second old while it lives.
+  /// The line of CANsync as the daemon told it last; at most about a second old.
   MasterStatus master_status() const;
+  /// The same, waiting at most `time`; nothing when no daemon that is there has told it.
+  std::optional<MasterStatus> master_status(std::chrono::milliseconds time) const;
   /// Waits at most `time` until the master's status fits, looking at each one that comes (at least one a
   /// second): for example until `status.slaves_synchronized == status.slaves_configured`. That status;
   /// nothing when none has fitted. What a daemon that is gone told last does not count. `fits` may use this client; the
@@ -109,7 +116,7 @@ class CANSYNC_PUBLIC Client {
   std::optional<MasterStatus> wait_status(const std::function<bool(const MasterStatus&)>& fits,
                                           std::chrono::milliseconds time) const;
   /// Configured slaves in rising order. Waits at most `time` until the status of every configured slave is
-  /// there.
+  /// there. Throws NoDaemon when no daemon is there.
   std::vector<SlaveStatus> slaves(std::chrono::milliseconds time = std::chrono::milliseconds(2000)) const;
   /// Newest actual values of a slave. Waits at most `time` for the first; nothing when there are none yet.
   std::optional<ActualValues> actual_values(
@@ -214,6 +221,7 @@ class CANSYNC_PUBLIC Client {
   std::string place() const;
 
  private:
+  friend class ReferenceRepeater;
   friend class ReferenceWriter;
   friend class function_blocks::SettingSlot;
   explicit Client(std::shared_ptr<detail::Link> link);

@@ -36,10 +36,11 @@ class CANSYNC_PUBLIC Job {
  public:
   /// Waits for the terminal reply. Always ends: with the daemon's reply; with `no_reply` when the daemon is
   /// gone; at the latest `Options::grace` after the monitoring time with `timeout` (it was cancelled) or
-  /// `no_reply` (nothing is known of it). A reply that comes after that is ignored.
+  /// `no_reply` (nothing is known of it). A reply that comes after that is ignored. In a callback of the job's client it
+  /// ends at once, with `no_reply` when there is no reply yet; the job goes on.
   R wait() const;
 
-  /// Waits at most `time`; nothing when the request is still open.
+  /// Waits at most `time`, in a callback of the job's client not at all; nothing when the request is still open.
   std::optional<R> wait_for(std::chrono::milliseconds time) const;
 
   /// Like `wait`, and calls `on_progress` (transfers; on this thread) on every change, and once a
@@ -52,11 +53,11 @@ class CANSYNC_PUBLIC Job {
   Progress progress() const;
 
   /// Calls `callback` once with the terminal reply: on the client's receiver thread (as short as callbacks of
-  /// subscriptions, and it must not wait for a job of this client), or at once on this thread when the
-  /// request has ended already. Must not throw.
+  /// subscriptions), or at once on this thread when the request has ended already. Must not throw. While another
+  /// callback does not return it is not called.
   void then(std::function<void(const R&)> callback) const;
 
-  /// The terminal reply as a future; never an exception.
+  /// The terminal reply as a future; never an exception. Like `then` it comes from the receiver thread.
   std::future<R> future() const;
 
   /// Asks the daemon to cancel; the reply says `cancelled` unless the job had ended before. Never blocks

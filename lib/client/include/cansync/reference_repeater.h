@@ -58,6 +58,8 @@ class CANSYNC_PUBLIC ReferenceRepeater {
   /// Values that are set from now on are repeated again, for the daemon and the mapping in force now. Make
   /// settings and look at the line before.
   void take_up();
+  /// Likewise, for what the program has looked at (Client::validity); is that over already, the standing says so.
+  void take_up(const Validity& meant_for);
 
   /// Why the last write failed; empty when it did not.
   std::string error() const;

@@ -24,7 +24,7 @@ class CANSYNC_PUBLIC SignalError : public std::runtime_error {
 /// A signal of a message that came.
 struct SignalValue {
   std::string name;
-  double value = 0.0;     ///< in `unit`
+  double value = 0.0;     ///< in `unit`; not a number: `word` says why there is none
   std::string unit;       ///< may be empty
   std::uint64_t raw = 0;  ///< its bits
   std::string
@@ -63,14 +63,18 @@ class CANSYNC_PUBLIC Signals {
   /// says.
   std::optional<NamedMessage> decode(std::uint32_t identifier, bool extended,
                                      std::span<const std::uint8_t> data) const;
-  /// What a message of J1939 is, whatever priority and destination the file gives its group: of several the
-  /// one with this source counts, else that with source 254. Values that say so are "not available" or
-  /// "error".
+  /// What a message of J1939 is, whatever priority the file gives its group. Of several messages of the group that
+  /// for this destination counts, of these that of this source; 254 and 255 in the file stand for any. What is no
+  /// value has the word "not available", "error", "reserved" or "parameter specific" (SAE J1939-71).
+  std::optional<NamedMessage> decode_group(std::uint32_t pgn, std::uint8_t source, std::uint8_t destination,
+                                           std::span<const std::uint8_t> data) const;
+  /// Likewise of a message to all.
   std::optional<NamedMessage> decode_group(std::uint32_t pgn, std::uint8_t source,
                                            std::span<const std::uint8_t> data) const;
 
   /// Makes a message of signals by name; bits that none gives are those of `rest`, 0xFF for J1939. Throws
-  /// SignalError when a name is unknown, a value is out of range, or signals exclude each other.
+  /// SignalError when a name is unknown, a value is out of what its bits can be or the file allows, or signals
+  /// exclude each other.
   EncodedMessage encode(const std::string& message, const std::map<std::string, Setting>& signals,
                         std::uint8_t rest = 0) const;
 

@@ -45,6 +45,9 @@ int number_of(ReplyCode code) noexcept;
 /// The result of a reply; cause and reason are kept, with who said it.
 int result_of(cansync_client& handle, const Reply& reply);
 
+/// The result of looking at what no daemon that is there has told.
+int not_told(cansync_client& handle, const Client& client);
+
 /// Runs `call(handle)` and turns what it throws into a result.
 template <class Handle, class Call>
 int guarded(Handle* handle, Call&& call) noexcept {

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
 
 #include "client/src/c_face/handle.h"
 
@@ -14,6 +17,7 @@ using cansync::client::MasterStatus;
 using cansync::client::Mode;
 using cansync::client::c_face::connected;
 using cansync::client::c_face::fail;
+using cansync::client::c_face::not_told;
 using cansync::client::c_face::result_of;
 
 static_assert(static_cast<int>(Mode::setup) == CANSYNC_MODE_SETUP);
@@ -33,6 +37,12 @@ int number_of(ReplyCode code) noexcept {
   return static_cast<int>(code);
 }
 
+int not_told(cansync_client& handle, const Client& client) {
+  return client.daemon_present()
+             ? fail(handle, CANSYNC_NO_DATA, "client: nothing has come yet")
+             : fail(handle, CANSYNC_NO_DAEMON, "client: no daemon is there (" + client.place() + ")");
+}
+
 int result_of(cansync_client& handle, const Reply& reply) {
   handle.cause = reply.cause;
   return fail(handle, number_of(reply.code), describe(reply));
@@ -43,8 +53,10 @@ int result_of(cansync_client& handle, const Reply& reply) {
 int cansync_get_status(cansync_client* handle, cansync_line_status* out) noexcept {
   return connected(handle, [&](cansync_client& open, Client& client) {
     if (out == nullptr) return fail(open, CANSYNC_INVALID, "client: out is NULL");
-    const MasterStatus status = client.master_status();
     *out = {};
+    const std::optional<MasterStatus> known = client.master_status(std::chrono::milliseconds(0));
+    if (!known) return not_told(open, client);
+    const MasterStatus& status = *known;
     out->option_status = status.option_status;
     out->interface_status = status.cansync_status;
     // Zeros are behind the text.
@@ -69,12 +81,12 @@ int cansync_wait_active(cansync_client* handle, uint32_t timeout_ms) noexcept {
     };
     if (client.wait_status(active, std::chrono::milliseconds(timeout_ms)))
       return static_cast<int>(CANSYNC_DONE);
-    if (!client.daemon_present())
-      return fail(open, CANSYNC_NO_DAEMON, "client: no daemon is there (" + client.place() + ")");
-    const MasterStatus status = client.master_status();
+    const std::optional<MasterStatus> status = client.master_status(std::chrono::milliseconds(0));
+    if (!status && !client.daemon_present()) return not_told(open, client);
     return fail(open, CANSYNC_TIMEOUT,
                 "client: " + (timeout_ms == 0 ? "" : "not within " + std::to_string(timeout_ms) + " ms: ") +
-                    "the state is '" + std::string(cansync::client::text(status.state)) +
+                    "the state is '" +
+                    (status ? std::string(cansync::client::text(status->state)) : "not told yet") +
                     "'; see mode and the slaves' status");
   });
 }

@@ -98,6 +98,12 @@ void keep_step(cansync_application& open, Asked<Job>& newest, const Job& sample,
   keep(open, event);
 }
 
+/// One program answers a job; a program that stands by hears it too.
+template <class Job>
+bool is_asked(const cansync_application& open, const Job& job) {
+  return open.duties && open.duties->is_asked(job);
+}
+
 void listen_to_daemon(cansync_application& open) {
   open.listener.references = [&open](const cansync_slave_ReferencesReceived& sample) {
     keep(open, event_of(sample));
@@ -109,10 +115,11 @@ void listen_to_daemon(cansync_application& open) {
     keep(open, event_of(sample));
   };
   open.listener.parameter_job = [&open](const cansync_slave_ParameterJob& sample) {
-    if (open.duties) keep_step(open, open.parameter, sample, sample.step == cansync_slave_JOB_ASKED);
+    if (is_asked(open, sample))
+      keep_step(open, open.parameter, sample, sample.step == cansync_slave_JOB_ASKED);
   };
   open.listener.block_job = [&open](const cansync_slave_BlockJob& sample) {
-    if (!open.duties) return;
+    if (!is_asked(open, sample)) return;
     keep_step(open, open.block, sample, sample.step != cansync_slave_BLOCK_ENDED);
     open.block.job.data = {};
   };
@@ -173,10 +180,8 @@ int command(cansync_application* handle, const cansync_slave_SlaveCommand& wante
     open.reply.reset();
     const auto end = std::chrono::steady_clock::now() + kReplyTime;
     auto begun = slave.command(wanted);
-    // Just connected, its endpoints may not have found each other yet.
-    while (begun.not_begun &&
-           client::detail::cause_of(*begun.not_begun) == client::RefusalCause::other_daemon &&
-           std::chrono::steady_clock::now() < end) {
+    // Its endpoints may not have found each other yet. That the daemon was started anew is for the program to hear.
+    while (begun.not_begun && begun.not_begun->passes && std::chrono::steady_clock::now() < end) {
       if (!look(open, milliseconds(20), [] { return false; }) || !goes_on(open)) break;
       begun = slave.command(wanted);
     }

@@ -22,17 +22,19 @@ using cansync::client::SlaveStatus;
 using cansync::client::Subscription;
 using cansync::client::c_face::connected;
 using cansync::client::c_face::fail;
+using cansync::client::c_face::not_told;
 
 /// Copies a sample, or says that there is none.
 template <class Sample>
-int give(cansync_client& open, const std::optional<Sample>& sample, void* out, std::size_t size) {
+int give(cansync_client& open, const Client& client, const std::optional<Sample>& sample, void* out,
+         std::size_t size) {
   if (size != sizeof(Sample)) {
     return fail(open, CANSYNC_INVALID,
                 "client: size " + std::to_string(size) + ": the struct of this topic has " +
                     std::to_string(sizeof(Sample)) +
                     " bytes; was the program built with the headers of another version?");
   }
-  if (!sample) return fail(open, CANSYNC_NO_DATA, "client: nothing has come yet");
+  if (!sample) return not_told(open, client);
   std::memcpy(out, &*sample, sizeof(Sample));
   return CANSYNC_DONE;
 }
@@ -81,17 +83,17 @@ int cansync_get_sample(cansync_client* handle, int topic, uint32_t slave, uint32
     const std::chrono::milliseconds time(timeout_ms);
     switch (topic) {
       case CANSYNC_TOPIC_MASTER_STATUS:
-        return give(open, std::optional(client.master_status()), out, size);
+        return give(open, client, client.master_status(time), out, size);
       case CANSYNC_TOPIC_GATEWAY_STATUS:
-        return give(open, std::optional(client.gateway_status()), out, size);
+        return give(open, client, client.gateway_status(time), out, size);
       case CANSYNC_TOPIC_BUS_STATUS:
-        return give(open, client.bus_status(time), out, size);
+        return give(open, client, client.bus_status(time), out, size);
       case CANSYNC_TOPIC_REALTIME_STATUS:
-        return give(open, client.realtime_status(time), out, size);
+        return give(open, client, client.realtime_status(time), out, size);
       case CANSYNC_TOPIC_SLAVE_STATUS:
-        return give(open, slave_status(client, slave, time), out, size);
+        return give(open, client, slave_status(client, slave, time), out, size);
       case CANSYNC_TOPIC_ACTUAL_VALUES:
-        return give(open, client.actual_values(static_cast<std::uint8_t>(slave), time), out, size);
+        return give(open, client, client.actual_values(static_cast<std::uint8_t>(slave), time), out, size);
       default:
         return fail(
             open, CANSYNC_INVALID,

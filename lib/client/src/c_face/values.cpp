@@ -13,6 +13,7 @@ using cansync::client::Event;
 using cansync::client::Subscription;
 using cansync::client::c_face::connected;
 using cansync::client::c_face::fail;
+using cansync::client::c_face::not_told;
 
 cansync_actual_values to_c(const ActualValues& from) {
   cansync_actual_values to = {};
@@ -39,6 +40,7 @@ int cansync_get_actual_values(cansync_client* handle, uint32_t slave, uint32_t t
       return fail(open, CANSYNC_INVALID, "client: out is NULL, or slave is out of range; allowed 0..31");
     const auto values =
         client.actual_values(static_cast<std::uint8_t>(slave), std::chrono::milliseconds(timeout_ms));
+    if (!values && !client.daemon_present()) return not_told(open, client);
     if (!values) {
       return fail(open, CANSYNC_NO_DATA,
                   "client: no actual values of slave " + std::to_string(slave) + " within " +

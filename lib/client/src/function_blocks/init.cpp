@@ -83,10 +83,13 @@ void INIT::compare_slave() {
 }
 
 void INIT::compare() {
-  const MasterStatus status = client_->master_status();
-  if (!compare_rates(client_->bus_status().bit_rate, status.interval_length)) return;
+  const auto status = client_->master_status(std::chrono::milliseconds(0));
+  const auto bus = client_->bus_status(std::chrono::milliseconds(0));
+  if (!status || !bus)
+    return fail(init_error::handshake_timeout, "client: the daemon has gone (" + client_->place() + ")");
+  if (!compare_rates(bus->bit_rate, status->interval_length)) return;
   for (std::size_t slave = 0; slave < a_SL_TYP.size(); ++slave) {
-    if (a_SL_TYP[slave] != 0 && ((status.slaves_configured >> slave) & 1u) == 0)
+    if (a_SL_TYP[slave] != 0 && ((status->slaves_configured >> slave) & 1u) == 0)
       return fail(init_error::not_completed,
                   "client: a_SL_TYP[" + std::to_string(slave) + "]: the daemon has no such slave configured");
   }
@@ -97,8 +100,10 @@ void INIT::compare() {
 /// that runs out of active operation.
 bool INIT::set_up() {
   if (!set_up_) {
-    const WORD status = client_->master_status().option_status;
-    if (!x_SYNC_MODE || is_synchronous(status)) return true;
+    if (!x_SYNC_MODE) return true;
+    const auto status = client_->master_status(std::chrono::milliseconds(0));
+    if (status && is_synchronous(status->option_status)) return true;
+    if (!status && client_->daemon_present()) return false;  // it may run
     set_up_.emplace(client_->mode(Mode::setup));
   }
   const std::optional<CommandReply> reply = set_up_->wait_for(std::chrono::milliseconds(0));

@@ -66,14 +66,17 @@ void MODE_MA::poll() {
   if (entered_ == Mode::run && slot_.sent()) own_reset_ = false;
   if (entered_ == Mode::restart && slot_.cause() != RefusalCause::none) own_reset_ = false;
   if (entered_ == Mode::run) {
-    run_wanted_ = run_wanted_ && slot_.refused() && slot_.passes();
+    // An input that has become TRUE anew meanwhile is another command.
+    if (run_given_) run_wanted_ = run_wanted_ && slot_.refused() && slot_.passes();
   } else if (slot_.refused()) {
     waiting_count_ = 0;
   }
 }
 
 void MODE_MA::call(Clock::time_point now) {
-  const MasterStatus status = client_->master_status();
+  // Of a daemon that has gone no line is in any state.
+  const auto status = client_->master_status(std::chrono::milliseconds(0));
+  const WORD option_status = status ? status->option_status : WORD{0};
   // An input that was let go counts anew.
   reset_was_ = reset_was_ && x_RESET_SOFTWARE;
   controller_was_ = controller_was_ && x_RESET_CANsync_CONTROLLER;
@@ -90,10 +93,13 @@ void MODE_MA::call(Clock::time_point now) {
     run_wanted_ = true;
     run_given_.reset();
   }
-  next(status.option_status);
-  run(now);
+  // Of a line that has not told its state yet nothing is wanted: it may run.
+  if (status || !client_->daemon_present()) {
+    next(option_status);
+    run(now);
+  }
   poll();
-  show(status.option_status);
+  show(option_status);
 }
 
 void MODE_MA::show(WORD option_status) {

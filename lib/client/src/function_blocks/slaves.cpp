@@ -11,7 +11,9 @@ std::optional<InputProblem> slave_problem(const Client& client, SINT number) {
   if (number < 0 || number >= static_cast<int>(cansync_SLAVES))
     return InputProblem{RefusalCause::field,
                         fmt::format("client: slave {}: out of range; allowed 0..31", number)};
-  const std::uint32_t configured = client.master_status().slaves_configured;
+  const auto status = client.master_status(std::chrono::milliseconds(0));
+  if (!status) return std::nullopt;  // the request itself says that no daemon is there
+  const std::uint32_t configured = status->slaves_configured;
   if (((configured >> static_cast<unsigned>(number)) & 1u) == 0)
     return InputProblem{
         RefusalCause::slave_not_configured,
