@@ -148,7 +148,7 @@ SteadyTime StatePublisher::step(Exchange& exchange, SteadyTime now) {
     Slave& slave = slaves_[i];
     if (exchange.slave[i].read(slave.report)) slave.dirty = config_.master.slaves[i].configured;
     if (!slave.dirty) continue;
-    if (now - slave.published >= kSlavePeriod) {
+    if (slave.remapped || now - slave.published >= kSlavePeriod) {
       publish_slave(*SlaveNumber::from(i), now);
     } else {
       next = std::min(next, slave.published + kSlavePeriod);
@@ -160,6 +160,9 @@ SteadyTime StatePublisher::step(Exchange& exchange, SteadyTime now) {
 void StatePublisher::tell_settings(Exchange& exchange, SteadyTime now) {
   take_settings(exchange);
   if (master_dirty_) publish_master(now);
+  for (std::uint8_t i = 0; i < cansync::kSlaves; ++i) {
+    if (slaves_[i].remapped) publish_slave(*SlaveNumber::from(i), now);
+  }
 }
 
 ToldStatus StatePublisher::told() const {
@@ -171,11 +174,13 @@ ToldStatus StatePublisher::told() const {
 }
 
 void StatePublisher::take_settings(Exchange& exchange) {
+  const auto before = settings_.actual_mapping;
   if (!exchange.settings.read(settings_)) return;
   master_dirty_ = true;
   for (unsigned i = 0; i < cansync::kSlaves; ++i) {
     slaves_[i].names = names_of(config_.slaves[i].actual, settings_.actual_mapping[i]);
     slaves_[i].dirty = config_.master.slaves[i].configured;
+    if (settings_.actual_mapping[i] != before[i]) slaves_[i].remapped = slaves_[i].dirty;
   }
 }
 
@@ -251,7 +256,7 @@ void StatePublisher::publish_slave(SlaveNumber number, SteadyTime now) {
     dds::copy_text(config.parameters->hash, sample.profile_hash);
   }
   (void)slave_writer_.write(sample);
-  slave.dirty = false;
+  slave.dirty = slave.remapped = false;
   slave.published = now;
 }
 

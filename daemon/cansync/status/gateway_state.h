@@ -69,6 +69,7 @@ class StatePublisher {
     std::array<std::uint64_t, cansync::kChannels> told = {};  ///< count of telegrams that were published
     std::array<cansync_ValueName, cansync::kValues> names = {};
     bool dirty = false;                              ///< something is to be told
+    bool remapped = false;                           ///< and at once
     std::optional<cansync_SlaveStatus> told_status;  ///< the newest sample
     SteadyTime published;
   };

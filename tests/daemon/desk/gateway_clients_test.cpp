@@ -210,6 +210,29 @@ TEST(GatewayClients, AnotherProgramsIdentityIsNoKeyToItsJobs) {
   rig.client.write(good_read(2));
   rig.answer(ParameterDone{rig.expect_request<cansync::ParameterRequest>().id, {}});
   EXPECT_TRUE(rig.client.reply<cansync_ParameterReply>(2));
+  // The other is served with an identity of its own.
+  other.client.write(good_read(1, 7));
+  rig.answer(ParameterDone{rig.expect_request<cansync::ParameterRequest>().id, {}});
+  EXPECT_TRUE(other.client.reply<cansync_ParameterReply>(1, TestClient::identity(7)));
+}
+
+TEST(GatewayClients, TheIdentityOfWhoIsGoneIsNotTakenBeforeItsRequestsHaveEndedAndAnotherOneIs) {
+  GatewayRig rig;
+  auto other = std::make_unique<Other>(rig);
+  other->client.write(good_read(1, 2));
+  const auto job = rig.expect_request<cansync::ParameterRequest>().id;
+  other.reset();
+  EXPECT_EQ(rig.expect_request<Cancel>().id, job);
+  rig.client.write(good_read(2, 2));
+  const auto refused = rig.client.reply<cansync_ParameterReply>(2, TestClient::identity(2));
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->cause, gateway_CAUSE_IDENTITY) << refused->reason;
+  rig.client.write(good_read(2, 3));
+  rig.answer(ParameterDone{rig.expect_request<cansync::ParameterRequest>().id, {}});
+  const auto served = rig.client.reply<cansync_ParameterReply>(2, TestClient::identity(3));
+  ASSERT_TRUE(served);
+  EXPECT_EQ(served->code, gateway_REPLY_DONE);
+  rig.answer(ParameterDone{job, {.outcome = Outcome::cancelled}});
 }
 
 TEST(GatewayClients, AStaleRequestIsRefusedAndCounted) {

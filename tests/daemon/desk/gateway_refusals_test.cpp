@@ -137,12 +137,30 @@ TEST(GatewayRefusals, TransfersHaveALimitOfAClientAndOneOfAll) {
   ASSERT_TRUE(own);
   expect_refused(own->reply, gateway_CAUSE_CLIENT_LIMIT,
                  {"length 16777216", "of this client have 33554432 bytes, at most 33554432"});
+  // After a reply the client has room again, and so have all.
+  const auto is_done = [&](std::uint64_t number) {
+    rig.answer(TransferDone{rig.expect_request<cansync::TransferRequest>().id, {}});
+    const auto reply = rig.transfer_reply(number);
+    return reply && reply->reply.code == gateway_REPLY_DONE;
+  };
+  EXPECT_TRUE(is_done(1));
+  ask(4, 1);
+  EXPECT_TRUE(is_done(2));
+  EXPECT_TRUE(is_done(4));
+  for (std::uint64_t number = 5; number <= 6; ++number) ask(number, 1);
   for (std::uint64_t number = 10; number < 16; ++number) ask(number, static_cast<std::uint8_t>(number / 2));
   ask(20, 9);
   const auto all = rig.transfer_reply(20);
   ASSERT_TRUE(all);
   expect_refused(all->reply, gateway_CAUSE_SHARED_LIMIT,
                  {"length 16777216", "134217728 bytes, at most 134217728"});
+  EXPECT_TRUE(is_done(5));
+  ask(21, 9);
+  for (int open = 0; open < 8; ++open)
+    rig.answer(TransferDone{rig.expect_request<cansync::TransferRequest>().id, {}});
+  const auto later = rig.transfer_reply(21);
+  ASSERT_TRUE(later);
+  EXPECT_EQ(later->reply.code, gateway_REPLY_DONE);
 }
 
 /// What only the master knows comes back as a number and leaves with field, value, range and remedy.

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -119,6 +120,18 @@ TEST_F(Layer2Image, L56TheImageIsWrittenAsAWholeAndRead) {
   writer.give_up();
   EXPECT_EQ(journal_.wait_for("EVENT", "image_given_up").size(), 1u);
   EXPECT_TRUE(comes_true([&] { return write_by_request(9).code == gateway_REPLY_DONE; }));
+}
+
+TEST_F(Layer2Image, BytesForAnotherStartOfTheDaemonAreNotTaken) {
+  start_mapped(WriterLost::hold);
+  const auto writer = program(1);
+  const auto meant_for = std::exchange(writer->identity, gateway::dds::DaemonIdentity{0xDA, 0xE0, 0x02});
+  writer->write(0, bytes(1, 1));
+  const auto refused = journal_.wait_for("EVENT", "image_refused");
+  ASSERT_EQ(refused.size(), 1u);
+  writer->identity = meant_for;
+  writer->write(0, bytes(1, 2));
+  EXPECT_EQ(image([](const auto& sample) { return sample.sending; }).outputs[0], 2);
 }
 
 TEST_F(Layer2Image, NothingIsSentUntilSomebodyHasWritten) {
@@ -244,6 +257,8 @@ TEST_F(Layer2Sequence, ManyFramesHaveOneReply) {
   }));
   frames.push_back(frames[0]);
   EXPECT_EQ(client_->send(frames, 0).cause, gateway_CAUSE_LENGTH);
+  frames.pop_back();
+  EXPECT_EQ(client_->send(frames, 0).code, gateway_REPLY_DONE);
 }
 
 TEST_F(Layer2Sequence, ADeadlineThatHasPassedSendsNothing) {

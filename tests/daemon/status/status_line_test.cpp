@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/cansync/status/status_text.h"
+#include "daemon/cansync_slave/gateway/slave_status.h"
 #include "daemon/service/heartbeat.h"
 
 namespace {
@@ -76,6 +77,30 @@ TEST(BusSentence, OfEveryProtocolSaysFirstWhatKeepsItFromSending) {
       "the other nodes");
   controller.link = can::LinkState::listen_only;
   EXPECT_EQ(bus_sentence("run", controller, bus), "nothing is sent: interface can0 is in listen-only mode");
+}
+
+TEST(SlaveSentence, TellsStateAndWhatIsWrongWithIt) {
+  SlaveRoleConfig config;
+  config.bus.name = "upper";
+  config.bus.interface = "can0";
+  config.slave.number = *cansync::SlaveNumber::from(5);
+  config.slave.bit_rate = cansync::BitRate::kbit500;
+  SlaveSnapshot slave;
+  slave.state = cansync::State::active_slave;
+  slave.activated = slave.synchronized = true;
+  const std::string bus = "; bus upper (can0) at 500000 bit/s";
+  const std::string run = "slave 5: " + std::string(cansync::name(slave.state));
+  EXPECT_EQ(slave_sentence(slave, config), run + bus);
+  slave.synchronized = false;
+  EXPECT_EQ(slave_sentence(slave, config), run + "; not synchronized" + bus);
+  slave.activated = false;
+  EXPECT_EQ(slave_sentence(slave, config), run + "; not activated by the master" + bus);
+  slave.fault = cansync::SlaveFault::references_missing;
+  EXPECT_EQ(slave_sentence(slave, config), run + "; no reference values" + bus);
+  slave.fault = cansync::SlaveFault::sync_lost;
+  EXPECT_EQ(slave_sentence(slave, config), run + "; no SYNC of the master" + bus);
+  slave.controller.link = can::LinkState::missing;
+  EXPECT_EQ(slave_sentence(slave, config), "waiting for interface can0: it is missing");
 }
 
 TEST(StatusText, TellsOfAnotherMaster) {

@@ -95,8 +95,12 @@ TEST(RealtimeLoop, ABusThatCannotBeResetRefuses) {
   LoopRig rig;
   rig.bus.reset_answer = can::ResetResult::unavailable;
   rig.push_at(50, ModeRequest{1, Mode::reset_can, false});
-  rig.run_until(60);
+  rig.at(60, microseconds(0),
+         [&rig] { rig.bus.reset_answer = can::ResetResult::done; });  // the interface is up
+  rig.push_at(61, ModeRequest{2, Mode::reset_can, false});
+  rig.run_until(70);
   EXPECT_EQ(rig.answer_to<Refused>(1).refusal, Refusal::bus_unavailable);
+  EXPECT_EQ(rig.answer_to<CommandDone>(2).outcome, Outcome::done);
 }
 
 TEST(RealtimeLoop, ActualValuesReachTheGatewayWithTheirTimes) {

@@ -117,6 +117,27 @@ TEST(GatewayState, MasterStatusComesAtOnceWhenSettingsChange) {
       [](const auto& s) { return s.slave == 1 && s.actual_mapping[4] == 0x15; }));
 }
 
+TEST(GatewayState, AMappingOfASlaveIsToldBeforeTheReplyToWhoHasChangedIt) {
+  GatewayRig rig;
+  SettingsSnapshot settings;
+  for (std::uint8_t value = 1; value <= 3; ++value) {  // each sooner than the slave's status is due again
+    auto command = TestClient::request<cansync_Command>(value);
+    command.kind = cansync_COMMAND_ACTUAL_MAPPING;
+    command.slave = 1;
+    command.mapping[0] = static_cast<std::uint8_t>(value << 2 | 1);  // the low word of that value
+    rig.client.write(command);
+    const auto request = rig.expect_request<SetActualMapping>();
+    settings.actual_mapping[1] = request.mapping;
+    rig.exchange.settings.write(settings);
+    rig.answer(CommandDone{request.id, cansync::Outcome::done});
+    ASSERT_TRUE(rig.client.reply<cansync_CommandReply>(value));
+    const auto& told = rig.client.all<cansync_SlaveStatus>();
+    const auto newest = std::find_if(told.rbegin(), told.rend(), [](const auto& s) { return s.slave == 1; });
+    ASSERT_NE(newest, told.rend());
+    EXPECT_EQ(newest->actual_mapping[0], command.mapping[0]);
+  }
+}
+
 TEST(GatewayState, TheWidthOfAValueFollowsTheMappingInForce) {
   GatewayRig rig;
   const auto first = rig.client.wait_for<cansync_SlaveStatus>([](const auto& s) { return s.slave == 1; });
