@@ -1,12 +1,13 @@
 """Builds the Debian packages, installs them with apt in a fresh Debian, boots that with systemd as its first process in the
 machine that has a time of its own (tests/kernel/machine.py), and runs the tests of the folder `inside` in it.
 
-    run.py [--previous] [--keep FOLDER] [--install-only] [--lines N] [--gaps N] [--cuts N]
+    run.py [--previous] [--keep FOLDER] [--install-only] [--lines N] [--gaps N] [--cuts N] [--upgrades N]
     --previous builds the packages that are upgraded, when an earlier run has not left them; without it those of this commit under
     a lower version stand for them then, for on a computer without them that takes half an hour;
     FOLDER keeps packages and root file system, to look at them, and is taken up again for the same commit; with --install-only
-    nothing is booted; N lines made at random are set up, 2 when it is not given; the adapter is gone N times more than it is anyhow, 4 when it is not given; the power
-    is cut N times, 6 when it is not given
+    nothing is booted; N lines made at random are set up, 2 when it is not given; the adapter is gone N times more than it is
+    anyhow, 4 when it is not given; the power is cut N times, 6 when it is not given; the packages are upgraded N times while
+    a line runs, once when it is not given
 
 CANSYNC_SEED in the environment: as for tests/kernel/run_machine.py.
 Needs the packages of tools/packages.txt and a Debian mirror; no rights. Exit code: 0 all well, 1 something is wrong, 77 this
@@ -16,6 +17,7 @@ computer cannot do it, with the reason.
 import argparse
 import concurrent.futures
 import contextlib
+import hashlib
 import os
 import pathlib
 import re
@@ -41,7 +43,7 @@ LIMIT = 3600  # seconds of this computer from power-on to power-off; four minute
 MEMORY = 3072
 # What a gateway PC has, and what the tests look with.
 DEBIAN = ("systemd", "systemd-sysv", "udev", "dbus", "iproute2", "kmod", "procps", "util-linux", "man-db", "python3",
-          "bash-completion", "needrestart", "polkitd", "prometheus-node-exporter")
+          "bash-completion", "needrestart", "polkitd", "prometheus-node-exporter", "unattended-upgrades")
 SHARED = ("kernel/unknown_line.py", "kernel/random_line.py", "kernel/canline.py", "end_to_end/gateway.py",
           "end_to_end/json_schemas.py", "end_to_end/wording.py")
 NO_MIRROR = re.compile(r"E: (Failed to fetch|Unable to fetch|Unable to locate package)|Temporary failure resolving|Could not resolve")
@@ -125,8 +127,15 @@ def check(work):
     run("lintian", "--allow-root", "--fail-on", "error,warning", "--tag-display-limit", "0", changes)
 
 
+def make_repository(folder):
+    """Lets apt take the packages of the folder for those of a maker named cansyncd."""
+    index = subprocess.run(["dpkg-scanpackages", "."], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=True, timeout=600).stdout
+    (folder / "Packages").write_bytes(index)
+    (folder / "Release").write_text(f"Origin: cansyncd\nSHA256:\n {hashlib.sha256(index).hexdigest()} {len(index)} Packages\n", encoding="ascii")
+
+
 def lay_out(work):
-    """What the fresh Debian gets besides Debian's: our packages."""
+    """What the fresh Debian gets besides Debian's: our packages, the new ones as a repository."""
     extra = work / "extra"
     for kind in ("new", "previous"):
         folder = extra / "srv/packages" / kind
@@ -134,6 +143,7 @@ def lay_out(work):
         for file in (work / kind).glob("*.deb"):
             if "-dbgsym_" not in file.name:
                 shutil.copy(file, folder)
+    make_repository(extra / "srv/packages/new")
     return extra
 
 
@@ -147,7 +157,8 @@ def install(work):
         "sed -e s/^Path=.*/OriginalName=vcan0/ -e /^Name=/d /usr/share/doc/cansyncd/examples/60-can-line1.link "
         ">/etc/systemd/network/20-vcan0.link",
         "systemctl enable systemd-networkd.service",
-        "systemctl disable systemd-networkd-wait-online.service apt-daily.timer apt-daily-upgrade.timer prometheus-node-exporter.service",
+        "systemctl disable systemd-networkd-wait-online.service apt-daily.timer apt-daily-upgrade.timer unattended-upgrades.service "
+        "prometheus-node-exporter.service",
         "systemctl mask systemd-binfmt.service e2scrub_reap.service",  # nothing for them in this kernel
         "systemctl mask serial-getty@ttyS0.service",  # the console shows the tests alone
         "systemctl enable cansync-proof.service",
@@ -169,7 +180,7 @@ def added(kernel, options):
     archive = memory_root.Archive()
     for path in (*sorted((HERE / "inside").glob("*.py")), *(REPOSITORY / "tests" / name for name in SHARED)):
         archive.add_file(path, f"proof/{path.name}")
-    for name in ("lines", "gaps", "cuts"):
+    for name in ("lines", "gaps", "cuts", "upgrades"):
         if getattr(options, name) is not None:
             archive.add(f"proof/{name}", memory_root.FILE | 0o644, str(getattr(options, name)).encode())
     for number, module in enumerate(kernel.in_order(MODULES)):
@@ -207,6 +218,7 @@ def main():
     parser.add_argument("--lines", type=int, help="lines made at random; 2 when it is not given")
     parser.add_argument("--gaps", type=int, help="times more that the adapter is gone; 4 when it is not given")
     parser.add_argument("--cuts", type=int, help="power cuts; 6 when it is not given")
+    parser.add_argument("--upgrades", type=int, help="upgrades while a line runs; 1 when it is not given")
     options = parser.parse_args()
     with contextlib.ExitStack() as stack:
         if options.keep:

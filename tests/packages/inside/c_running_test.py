@@ -2,7 +2,6 @@
 
 import contextlib
 import ctypes
-import json
 import os
 import pathlib
 import random

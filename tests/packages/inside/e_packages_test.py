@@ -1,5 +1,6 @@
 """Remove, purge, and the upgrade from the packages before."""
 
+import contextlib
 import hashlib
 import pathlib
 import time
@@ -26,13 +27,36 @@ def leftovers():
 
 def replace_library():
     """Puts a copy of a library that the daemon has loaded in its place, as dpkg does it."""
-    library = next(line.split()[-1] for line in pathlib.Path(f"/proc/{main_pid()}/maps").read_text(encoding="utf-8").splitlines()
+    library = next(line.split()[5] for line in pathlib.Path(f"/proc/{main_pid()}/maps").read_text(encoding="utf-8").splitlines()
                    if "libddsc.so" in line)
     run("cp", library, f"{library}.dpkg-new")
     run("mv", f"{library}.dpkg-new", library)
 
 
 class Packages(unittest.TestCase):
+    @contextlib.contextmanager
+    def an_upgrade(self):
+        """After it files are as they were, and the line was in run all the time, in the same process."""
+        shipped = pathlib.Path("/etc/cansync/can0.toml")
+        with shipped.open("a", encoding="utf-8") as file:
+            file.write("# The administrator was here.\n")
+        before = {path: hashlib.sha256(path.read_bytes()).digest() for path in (shipped, CONFIGURATION)}
+        pid, version, began, since = main_pid(), installed_version(), cansync("status")[0], int(time.time()) + 1
+        with SyncEdges() as edges:
+            yield
+            ended = cansync("status")[0]
+            steps = edges.steps()
+        self.assertNotEqual(installed_version(), version)
+        self.assertEqual({path: hashlib.sha256(path.read_bytes()).digest() for path in before}, before)
+        self.assertEqual(run("systemctl", "is-enabled", SERVICE).strip(), "enabled")
+        self.assertTrue(pathlib.Path(f"/etc/systemd/system/multi-user.target.wants/{SERVICE}").is_symlink(), "starts with the computer")
+        self.assertEqual((main_pid(), ended["daemon"]), (pid, began["daemon"]))
+        self.assertTrue(line_is_active())
+        self.assertGreater(len(steps), 100)
+        self.assertEqual([step for step in steps if not 0.5 < step / edges.INTERVAL < 1.5], [], "seconds")
+        self.assertEqual(ended["missed_syncs"], began["missed_syncs"])
+        self.assertEqual(journal("EVENT=state_changed", "EVENT=daemon_stopping", f"--since=@{since}"), [])
+
     def test_1_remove_stops_and_keeps_the_configuration(self):
         run(*APT, "remove", *NAMES, timeout=SLOW)
         self.assertEqual(properties("ActiveState")["ActiveState"], "inactive")
@@ -63,25 +87,16 @@ class Packages(unittest.TestCase):
         wait_until_active()
 
     def test_4_an_upgrade_leaves_the_line_that_runs_alone(self):
-        shipped = pathlib.Path("/etc/cansync/can0.toml")
-        with shipped.open("a", encoding="utf-8") as file:
-            file.write("# The administrator was here.\n")
-        before = {path: hashlib.sha256(path.read_bytes()).digest() for path in (shipped, CONFIGURATION)}
-        pid, version, began, since = main_pid(), installed_version(), cansync("status")[0], int(time.time()) + 1
-        run(*APT, "-o", "Dpkg::Options::=--force-confnew", "install", *packages()[0], timeout=SLOW)
-        replace_library()
-        run("env", "--unset=NEEDRESTART_SUSPEND", "needrestart", "-r", "a", timeout=SLOW)
-        ended = cansync("status")[0]
-        self.assertNotEqual(installed_version(), version)
-        self.assertEqual({path: hashlib.sha256(path.read_bytes()).digest() for path in before}, before)
-        self.assertEqual(run("systemctl", "is-enabled", SERVICE).strip(), "enabled")
-        self.assertTrue(pathlib.Path(f"/etc/systemd/system/multi-user.target.wants/{SERVICE}").is_symlink(), "starts with the computer")
-        self.assertEqual((main_pid(), ended["daemon"]), (pid, began["daemon"]))
-        self.assertTrue(line_is_active())
-        # The line was in run all the time.
-        self.assertGreater(ended["interval"], began["interval"])
-        self.assertEqual(ended["missed_syncs"], began["missed_syncs"])
-        self.assertEqual(journal("EVENT=state_changed", "EVENT=daemon_stopping", f"--since=@{since}"), [])
+        # How many: the file `upgrades` beside this one, if there is one (run.py --upgrades).
+        asked = pathlib.Path(__file__).with_name("upgrades")
+        for number in range(int(asked.read_text(encoding="ascii")) if asked.exists() else 1):
+            if number > 0:
+                run(*APT, "-o", "Dpkg::Options::=--force-confold", "--allow-downgrades", "install", *packages()[1], timeout=SLOW)
+                wait_until_active()
+            with self.an_upgrade():
+                run(*APT, "-o", "Dpkg::Options::=--force-confnew", "install", *packages()[0], timeout=SLOW)
+                replace_library()
+                run("env", "--unset=NEEDRESTART_SUSPEND", "needrestart", "-r", "a", timeout=SLOW)
 
     def test_5_what_waits_for_a_restart_is_named(self):
         run("systemctl", "reload", SERVICE)  # looks at the disk now
@@ -107,3 +122,16 @@ class Packages(unittest.TestCase):
         run(*configure)
         self.assertNotEqual(main_pid(), pid)
         wait_until_active()
+        switch.write_text(switch.read_text(encoding="ascii").replace("UPGRADE=yes", "UPGRADE=no"), encoding="ascii")
+
+    def test_7_so_does_one_that_debian_makes_automatically(self):
+        run(*APT, "-o", "Dpkg::Options::=--force-confold", "--allow-downgrades", "install", *packages()[1], timeout=SLOW)
+        run("systemctl", "restart", SERVICE)
+        wait_until_active()
+        source = pathlib.Path("/etc/apt/sources.list.d/ours.list")
+        source.write_text("deb [trusted=yes] file:/srv/packages/new ./\n", encoding="ascii")
+        pathlib.Path("/etc/apt/apt.conf.d/99ours").write_text(
+            'Unattended-Upgrade::Origins-Pattern { "origin=cansyncd"; };\nDPkg::Options { "--force-unsafe-io"; };\n', encoding="ascii")
+        run("apt-get", "update", "-o", f"Dir::Etc::SourceList={source}", "-o", "Dir::Etc::SourceParts=-", timeout=SLOW)
+        with self.an_upgrade():
+            run("env", "--unset=NEEDRESTART_SUSPEND", "unattended-upgrade", "--verbose", timeout=SLOW)

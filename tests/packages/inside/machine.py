@@ -3,6 +3,8 @@
 import json
 import os
 import pathlib
+import socket
+import struct
 import subprocess
 import time
 
@@ -91,6 +93,36 @@ def journal(*arguments):
     """Entries of the journal: a list of objects."""
     text = run("journalctl", "--output=json", "--no-pager", "--all", *arguments)
     return [json.loads(line) for line in text.splitlines() if line.startswith("{")]
+
+
+class SyncEdges:
+    """SYNC frames on the interface, with the kernel's times, from `with` on."""
+
+    SYNC, INTERVAL = 0x080, 0.008  # of configuration_text
+    BUFFER = 256 << 20  # bytes that may wait, of a kernel that counts some 800 for each frame
+    TIMESTAMP_NS = 35  # SO_TIMESTAMPNS
+
+    def __enter__(self):
+        self.socket = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
+        self.socket.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FILTER, struct.pack("=II", self.SYNC, 0x7FF))
+        self.socket.setsockopt(socket.SOL_SOCKET, 33, self.BUFFER)  # SO_RCVBUFFORCE
+        self.socket.setsockopt(socket.SOL_SOCKET, self.TIMESTAMP_NS, 1)
+        self.socket.bind((INTERFACE,))
+        return self
+
+    def __exit__(self, *_):
+        self.socket.close()
+
+    def steps(self):
+        """Seconds from each that has come to the next."""
+        times = []
+        try:
+            while True:
+                ancillary = self.socket.recvmsg(16, 64, socket.MSG_DONTWAIT)[1]
+                seconds, nanoseconds = struct.unpack("qq", ancillary[0][2])
+                times.append(seconds + nanoseconds / 1e9)
+        except BlockingIOError:
+            return [after - before for before, after in zip(times, times[1:])]
 
 
 def configuration_text():
