@@ -42,7 +42,7 @@ class EndOfToolsTest(unittest.TestCase):
         (self.folder / "tools").mkdir()
         for name in ("test", "test_summary"):
             shutil.copy(ROOT / "tools" / name, self.folder / "tools")
-        for name, text in (("tools/install_packages", ""), ("tools/lint", ""), ("tools/fuzz", ""), ("bin/cmake", ""), ("bin/clang-format", "exit $FORMAT_STATUS"),
+        for name, text in (("tools/install_packages", ""), ("tools/lint", ""), ("tools/lint_scripts", ""), ("tools/fuzz", ""), ("bin/cmake", ""), ("bin/clang-format", "exit $FORMAT_STATUS"),
                            ("bin/ctest", CTEST), ("tests/packages/run.py", "#!/usr/bin/python3\n")):
             path = self.folder / name
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -169,7 +169,7 @@ class EndOfToolsTest(unittest.TestCase):
                 status, lines = self.run_tests("--all")
                 path.write_text(kept)
                 self.assertEqual(status, code)
-                self.assertEqual(lines[-1], f'tools/test: FAILED in step "{step}" (exit code {code}): {why}')
+                self.assertEqual(lines[-1], f'tools/test: FAILED in step "{step}" (exit code {code}): {why}', "\n".join(lines))
 
     def test_what_cannot_be_had_is_no_failed_test(self):
         (self.folder / "tools/install_packages").write_text("#!/bin/bash\necho 'E: Unable to locate package ninja-build' >&2\nexit 100\n")
