@@ -112,9 +112,17 @@ void Witness::frame(const sim::TracedFrame& traced) noexcept {
     on_line("  " + in_microseconds(since) + " " + sender_name(traced.sender.kind) + " " +
             frame_text(traced.frame));
   }
-  if (traced.frame.error) return;
   if (is_actual(traced.frame)) keep(begun_, Begun{traced.frame, traced.start, traced.end});
   if (traced.sender.kind != sim::Sender::Kind::master) return;
+  if (traced.frame.error) {
+    // Right behind a frame that others have taken: its controller repeats it. One question, which asks when it is repeated.
+    for (Question& question : questions) {
+      if (traced.start == last_end_ && question.start == last_start_) question.start = can::Time::max();
+    }
+    return;
+  }
+  last_start_ = traced.start;
+  last_end_ = traced.end;
   const can::Time since = last_edge ? traced.start - last_edge->made : traced.start;
   frames.push_back({traced.frame, since, line_->intervals()});
   if (traced.frame.id == cansync::identifier::action) {

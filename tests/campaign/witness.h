@@ -121,6 +121,8 @@ class Witness final : public BusObserver, private sim::TraceSink {
   const Plan& plan_;
   const sim::Line* line_ = nullptr;
   std::deque<Begun> begun_;  ///< actual value telegrams whose start is known
+  can::Time last_start_{};   ///< of a frame of the master on the bus
+  can::Time last_end_{};     ///< of that frame
   std::uint64_t digest_ = 0xCBF29CE484222325u;
 };
 

@@ -11,7 +11,7 @@ import signal
 import subprocess
 import unittest
 
-from gateway import BIT_RATE, CANSYNC, CANSYNCD, LONG, Gateway, end, wait_for
+from gateway import BIT_RATE, CANSYNCD, LONG, Gateway, end, wait_for
 from names_test import PROFILE, PROFILES
 
 SPEED_LIMIT, FAULT_CODE = 401, 310

@@ -40,8 +40,8 @@ NEVER_MISSING_REFERENCES = ("--set", "sim.missing_references=0")
 MADE_IDENTITIES = os.path.join(tempfile.gettempdir(), "cansync_identities")
 PAUSES = 1  # between two looks, each as long as a look takes
 ACTIVE = 0x80  # w_OPTION_STATUS
-# The slowest, intervals of 8 ms: with 1 ms a machine with a time of its own takes its host half as long again for all. What a
-# test says of another rate is a rate of its own; line_test has all of them.
+# The slowest, intervals of 8 ms: at 1 ms each second of a daemon in a machine with a time of its own costs the host nine times
+# as much. What a test says of another rate is a rate of its own; line_test has all of them.
 BIT_RATE = 125000
 
 

@@ -128,7 +128,7 @@ class Messages(DaemonTest):
 
     def test_signals_have_names(self):
         with tempfile.NamedTemporaryFile("w", suffix=".dbc") as file:
-            file.write('VERSION ""\nBO_ 2565800190 Counter: 10 X\n SG_ Count : 0|8@1+ (0.5,-3) [0|1] "rpm" X\n SG_ Last : 72|8@1+ (1,0) [0|1] "" X\n')
+            file.write('VERSION ""\nBO_ 2565800190 Counter: 10 X\n SG_ Count : 0|8@1+ (0.5,-3) [-3|122] "rpm" X\n SG_ Last : 72|8@1+ (1,0) [0|250] "" X\n')
             file.flush()
             with self.place.start("j1939", "messages", "--json", "--dbc", file.name) as messages:
                 one = messages.next_object()
@@ -144,7 +144,7 @@ class Messages(DaemonTest):
             self.assertEqual((sent["result"], sent["pgn"], sent["length"], sent["priority"]), ("done", 0xEF00, 10, 6))
             wrong = self.place.run("j1939", "send", "Counter", "--dbc", file.name, "--set", "Count=200")
             self.assertEqual(wrong.returncode, 2)
-            self.assertIn("-3..124.5 rpm", wrong.stderr)
+            self.assertIn("-3..122 rpm", wrong.stderr)
             file.write(" SG_ Cut : 0|\n")
             file.flush()
             in_part = self.place.run("j1939", "send", "Counter", "--dbc", file.name, "--set", "Count=-2.5", "--to", "0x23")

@@ -7,7 +7,7 @@ import sys
 import tempfile
 import unittest
 
-from gateway import LONG, Gateway, wait_for
+from gateway import Gateway, wait_for
 
 # Debian's packages, whichever interpreter runs this; after its own.
 sys.path.append("/usr/lib/python3/dist-packages")

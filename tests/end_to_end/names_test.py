@@ -115,6 +115,16 @@ class ByName(Named):
         self.assertEqual((trial["not-available"]["result"], trial["not-available"]["value"]), ("not_asked", None))
         self.assertIn("'identity', 'state', 'actual'", self.fails("params", 1, "--group", "x", code=2))
 
+    def test_a_width_that_is_not_the_profiles_is_said_and_not_scaled(self):
+        self.run_verb("write", 1, 430, 100000)
+        wrong = self.profile_text().replace('name = "free-doubleword"\nformat = "doubleword"', 'name = "free"\nformat = "word"\nfactor = 0.1')
+        arguments = ("params", 1, "--group", "trial", "--profile", os.path.join(self.in_folder(wrong), "simulated-drive.toml"))
+        row = next(line for line in self.text(*arguments).splitlines() if " free " in line)
+        self.assertEqual(row.split()[2], "100000")
+        self.assertIn("the slave has it as doubleword, the profile as word", row)
+        found = next(o for o in self.json(*arguments) if o["number"] == 430)
+        self.assertEqual((found["value"], found["signed"], found["scaled"], found["format"]), (100000, 100000, None, "doubleword"))
+
     def test_events_and_slaves_have_the_names(self):
         self.run_verb("write", "winder", "speed-limit", 777)
 

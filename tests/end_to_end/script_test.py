@@ -53,7 +53,6 @@ class Script(VerbTest):
 
 
 class Lists(Script):
-    BIT_RATE = 1000000
     OPTIONS = ("--set", f"slave.0.profile={PROFILE}", "--set", f"slave.1.profile={PROFILE}")
 
     @classmethod

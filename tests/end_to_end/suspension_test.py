@@ -11,7 +11,7 @@ import tempfile
 import time
 import unittest
 
-from gateway import LONG, Gateway, wait_for
+from gateway import LONG, Gateway
 
 ROUNDS = int(os.environ.get("SUSPENSIONS", "12"))
 MAX_AGE_MS = 200

@@ -1,6 +1,5 @@
 """Parameters in `watch`: read in turn beside the actual values, as processes and on a terminal."""
 
-import json
 import os
 import re
 import sys

@@ -6,6 +6,7 @@
 
 CANSYNC_SEED in the environment: another number is another course of everything that chance decides inside; the same number with
 the same command is the same course. Without it courses 1 and 2, as machine.in_courses says.
+CANSYNC_LONGER: so many times as long as usual may all of it take, and each test of whole processes (default 1).
 
 Exit code: that of the tests or the program; 77 when this computer cannot run the machine, with the reason.
 """
@@ -20,10 +21,12 @@ import machine
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SKIPPED = 77
-LIMIT = 2700  # seconds of this computer, for boot and tests of a course together; what hangs inside ends by the machine's time
+LONGER = int(os.environ.get("CANSYNC_LONGER", "1"))
+LIMIT = 2700 * LONGER  # seconds of this computer, for boot and tests of a course together; what hangs inside ends by the machine's time
 PYTHON = "/usr/bin/python3"
 PROGRAMS = ("CANSYNC", "CANSYNCD", "CANSYNC_SIM")
-PASSED_ON = ("CANSYNC_WITNESS_FRAMES",)  # layer2_witnesses_on_vcan_test.py
+# layer2_witnesses_on_vcan_test.py, boot_list.py, hour_test.py
+PASSED_ON = ("CANSYNC_WITNESS_FRAMES", "CANSYNC_LONGER", "HOUR_INSTANTS")
 
 
 def our_programs():
@@ -38,15 +41,16 @@ def our_programs():
 
 def inside(kind, arguments):
     """Command, environment and files of what is to be run inside."""
+    environment = {name: os.environ[name] for name in PASSED_ON if name in os.environ}
     if kind == "processes":
         path = os.path.abspath(arguments[0])
         entries = boot_list.read(path)
         unknown = set(arguments[1:]) - {entry.name for entry in entries}
         if unknown:
             sys.exit(f"run_machine.py: {path} has no {', '.join(sorted(unknown))}; it has {' '.join(entry.name for entry in entries)}")
-        return [PYTHON, os.path.join(HERE, "boot_list.py"), path, *arguments[1:]], {}, [path, *boot_list.files(entries)]
+        return [PYTHON, os.path.join(HERE, "boot_list.py"), path, *arguments[1:]], environment, [path, *boot_list.files(entries)]
     programs = our_programs()
-    environment = programs | {name: os.environ[name] for name in PASSED_ON if name in os.environ}
+    environment |= programs
     files = [*programs.values(), *filter(os.path.isfile, map(os.path.abspath, arguments[1:]))]
     if kind == "tests":
         return [PYTHON, "-B", os.path.join(HERE, "inside.py"), *arguments], environment, files

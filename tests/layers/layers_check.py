@@ -170,6 +170,10 @@ IDENTIFIER_FILE = "lib/cansync/telegram/telegram.h"
 REPLY_BYTES = re.compile(r"(\.|->)payload(_size)?\b|\b(load|store)_(double)?word\b")
 REPLY_FILE = "lib/cansync/telegram/reply_payload.h"
 REPLY_FILES = {REPLY_FILE, *(f"lib/cansync/telegram/{name}" for name in ("telegram.h", "telegram.cpp", "reply_payload.cpp"))}
+# Likewise of what nodes of J1939 say to each other.
+MESSAGE_BYTES = re.compile(r"\bdata\[")
+MESSAGE_FILE = "lib/j1939/codec.h"
+MESSAGE_FILES = {"lib/j1939/codec.cpp", "lib/j1939/identifier.h"}
 INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)')
 
 
@@ -274,6 +278,8 @@ def check(files, rooms):
                 report(f"channel and number of an identifier: channel_of and participant_of of {IDENTIFIER_FILE}")
             if REPLY_BYTES.search(line) and file not in REPLY_FILES:
                 report(f"what a reply holds: the views of {REPLY_FILE}")
+            if room == "lib/j1939" and MESSAGE_BYTES.search(line) and file not in MESSAGE_FILES:
+                report(f"what a message holds: {MESSAGE_FILE}")
             if room in CORES and CORE_WORDS.search(line):
                 report("the sans-IO core reads no clock and no file")
             if room.startswith("lib/") and not may_use_dds(room, uses) and re.search(r"\bdds_[a-z]+", line):
@@ -339,6 +345,7 @@ PLANTED = [
     ("lib/cansync/planted.cpp", "if (reply.payload_size == 6) return;"),
     ("lib/cansync/planted.cpp", "const auto value = load_word(bytes);"),
     ("lib/cansync/sim/planted.cpp", "answer->payload = {};"),
+    ("lib/j1939/planted.cpp", "const auto control = frame.data[0];"),
     ("daemon/cansync/realtime/planted.cpp", "const auto code = cansync::load_doubleword(data);"),
     ("tools/cli/cansync/planted.cpp", "const std::uint8_t low = reply.payload[0];"),
     ("tools/cli/trace/planted.cpp", "store_word(bytes, 7);"),

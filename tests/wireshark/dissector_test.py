@@ -12,7 +12,7 @@ import struct
 import subprocess
 import sys
 
-from captures import HERE, SOURCE, STARTS, Folder, differences
+from captures import HERE, STARTS, Folder, differences
 
 TABLE = ["frame.number", "cansync.channel", "cansync.slave", "cansync.text", "cansync.request_in", "cansync.response_in",
          "cansync.response_us", "cansync.repeats", "cansync.time_since_first_us", "cansync.after_sync_us",

@@ -4,7 +4,6 @@ Compared are the log with every telegram, every error code near those of the man
 the trace of a simulated line. So no table of the dissector can drift from lib/cansync.
 """
 import os
-import pathlib
 import random
 import re
 
