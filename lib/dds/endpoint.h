@@ -120,31 +120,24 @@ class Reader : public ReaderBase {
   /// return code.
   template <class OnSample>
   dds_return_t take_batch(OnSample&& on_sample) {
-    std::array<void*, kBatch> samples = {};
-    std::array<dds_sample_info_t, kBatch> infos;
-    const dds_return_t count = dds_take(handle(), samples.data(), infos.data(), kBatch, kBatch);
-    if (count <= 0) return count;
-    const Loan loan{handle(), samples.data(), count};
-    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-      on_sample(*static_cast<const T*>(samples[i]), infos[i]);
-    }
-    return count;
+    return take_loan([&](const T& sample, const dds_sample_info_t& info, bool /*is_last_of_key*/) {
+      on_sample(sample, info);
+    });
   }
 
-  /// Takes every sample there is, in order: `on_data(const T&)` for data, `on_gone(const T&)` (only the key
-  /// fields are set) when a key's last writer is dead, has left or has disposed of it. Samples are valid
+  /// Takes every sample there is, in order: `on_data(const T&)` for data, `on_gone(const T&)` (its key fields
+  /// alone mean something) when a key's last writer is dead, has left or has disposed of it. Samples are valid
   /// during the call only. Returns the number of samples, or a negative DDS return code.
   template <class OnData, class OnGone>
   dds_return_t take(OnData&& on_data, OnGone&& on_gone) {
     dds_return_t total = 0;
     for (;;) {
-      const dds_return_t count = take_batch([&](const T& sample, const dds_sample_info_t& info) {
-        if (info.valid_data) {
-          on_data(sample);
-        } else if (info.instance_state != DDS_IST_ALIVE) {
-          on_gone(sample);
-        }
-      });
+      const dds_return_t count =
+          take_loan([&](const T& sample, const dds_sample_info_t& info, bool is_last_of_key) {
+            if (info.valid_data) on_data(sample);
+            // Cyclone has no sample for it while data of the key waits: the state of that data tells.
+            if (is_last_of_key && info.instance_state != DDS_IST_ALIVE) on_gone(sample);
+          });
       if (count < 0) return count;
       if (count == 0) return total;
       total += count;
@@ -163,6 +156,22 @@ class Reader : public ReaderBase {
     std::int32_t count;
     ~Loan() { (void)dds_return_loan(reader, samples, count); }
   };
+
+  /// As `take_batch`; `on_sample` is told, too, whether it is the last sample of its key in the batch.
+  template <class OnSample>
+  dds_return_t take_loan(OnSample&& on_sample) {
+    std::array<void*, kBatch> samples = {};
+    std::array<dds_sample_info_t, kBatch> infos;
+    const dds_return_t taken = dds_take(handle(), samples.data(), infos.data(), kBatch, kBatch);
+    if (taken <= 0) return taken;
+    const Loan loan{handle(), samples.data(), taken};
+    const auto count = static_cast<std::size_t>(taken);
+    for (std::size_t i = 0; i < count; ++i) {
+      const bool is_last_of_key = i + 1 == count || infos[i + 1].instance_handle != infos[i].instance_handle;
+      on_sample(*static_cast<const T*>(samples[i]), infos[i], is_last_of_key);
+    }
+    return taken;
+  }
 };
 
 /// Writer without the type.

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -10,6 +12,7 @@
 #include "cansync/dds/topics.h"
 #include "dds/guard/owner_guard.h"
 #include "dds/incompatible.h"
+#include "dds/newest.h"
 #include "dds/owner_seen.h"
 #include "dds/writer_identity.h"
 #include "support/dds_places.h"
@@ -110,6 +113,106 @@ TEST(Endpoint, FinalTypesCrossTheNetworkAndMatchNoOthers) {
   EXPECT_NE(to_string(wrong[0]).find("data representation (offered XCDR1, asked for XCDR2)"),
             std::string::npos)
       << to_string(wrong[0]);
+}
+
+TEST(Endpoint, AKeyWhoseWriterIsGoneIsToldAsGoneAlsoBehindDataThatNobodyHasTaken) {
+  const TwoPlaces places;
+  const Participant daemon(places.here);
+  const Participant client(places.there);
+  DataSignal signal;
+  Reader<cansync_SlaveStatus> reader(client, &signal);
+  Reader<cansync_SlaveStatus> beside(client, &signal);  // what it has got, the other one has
+  Writer<cansync_SlaveStatus> stays(daemon);
+  auto goes = std::make_unique<Writer<cansync_SlaveStatus>>(daemon);
+  cansync_SlaveStatus sent = {};
+  sent.slave = 1;
+  ASSERT_EQ(stays.write(sent), DDS_RETCODE_OK);
+  for (const std::uint8_t slave : {std::uint8_t{2}, std::uint8_t{3}}) {
+    sent.slave = slave;
+    ASSERT_EQ(goes->write(sent), DDS_RETCODE_OK);
+  }
+  std::size_t came = 0;
+  ASSERT_TRUE(
+      eventually(signal, [&] { return (came += take_all(beside).size()) == 3 && reader.matched() == 2; }));
+  goes.reset();
+  ASSERT_TRUE(eventually(signal, [&] { return reader.matched() == 1; }));
+  std::set<int> data;
+  std::set<int> gone;
+  ASSERT_GE(reader.take([&](const cansync_SlaveStatus& sample) { data.insert(sample.slave); },
+                        [&](const cansync_SlaveStatus& sample) { gone.insert(sample.slave); }),
+            3);
+  EXPECT_EQ(data, (std::set<int>{1, 2, 3}));
+  EXPECT_EQ(gone, (std::set<int>{2, 3}));
+}
+
+/// A reader of a topic without keys, and what is known of it.
+struct Known {
+  const TwoPlaces places;
+  const Participant daemon{places.here};
+  const Participant client{places.there};
+  DataSignal signal;
+  Reader<cansync_MasterStatus> reader{client, &signal};
+  Reader<cansync_MasterStatus> beside{client, &signal};  // what it has got, the other one has
+  Newest<cansync_MasterStatus> newest;
+
+  /// A writer that has told `number`, if it is one.
+  std::unique_ptr<Writer<cansync_MasterStatus>> writer(std::uint32_t number) {
+    auto made = std::make_unique<Writer<cansync_MasterStatus>>(daemon);
+    tell(*made, number);
+    return made;
+  }
+  static void tell(Writer<cansync_MasterStatus>& to, std::uint32_t number) {
+    cansync_MasterStatus status = {};
+    status.mapping_number = number;
+    EXPECT_EQ(to.write(status), DDS_RETCODE_OK);
+  }
+  bool becomes(std::optional<std::uint32_t> number) {
+    return eventually(signal, [&] {
+      const auto& told = newest.take(reader);
+      return told.has_value() == number.has_value() && (!told || told->mapping_number == *number);
+    });
+  }
+};
+
+TEST(Newest, WhatADaemonToldIsForgottenWithIt) {
+  Known known;
+  EXPECT_FALSE(known.newest.take(known.reader));
+  auto one = known.writer(1);
+  ASSERT_TRUE(known.becomes(1));
+  one.reset();
+  EXPECT_TRUE(known.becomes(std::nullopt));
+  one = known.writer(2);
+  EXPECT_TRUE(known.becomes(2));
+}
+
+TEST(Newest, WhatWasToldLastAndNeverTakenIsForgottenToo) {
+  Known known;
+  auto one = known.writer(1);
+  ASSERT_TRUE(known.becomes(1));
+  Known::tell(*one, 2);
+  ASSERT_TRUE(eventually(known.signal, [&] {
+    const auto came = take_all(known.beside);
+    return !came.empty() && came.back().mapping_number == 2;
+  }));
+  one.reset();
+  ASSERT_TRUE(eventually(known.signal, [&] { return known.reader.matched() == 0; }));
+  EXPECT_FALSE(known.newest.take(known.reader));
+}
+
+TEST(Newest, OfTwoDaemonsTheOneThatStaysIsKnownWhenItTellsAgain) {
+  Known known;
+  auto stays = known.writer(1);
+  ASSERT_TRUE(known.becomes(1));
+  auto goes = known.writer(2);
+  ASSERT_TRUE(known.becomes(2));
+  goes.reset();
+  EXPECT_TRUE(known.becomes(std::nullopt));
+  Known::tell(*stays, 3);
+  EXPECT_TRUE(known.becomes(3));
+  goes = known.writer(4);
+  ASSERT_TRUE(known.becomes(4));
+  Known::tell(*stays, 5);
+  ASSERT_TRUE(known.becomes(5));
 }
 
 TEST(Endpoint, LateReaderGetsTheLastHundredEvents) {

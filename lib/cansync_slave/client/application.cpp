@@ -32,7 +32,7 @@ cansync_slave_ApplicationAnswer answer_to(const Job& job, cansync_slave_AnswerKi
 }
 
 gateway::dds::OwnerSeen owner_of(SlaveClient& client) {
-  const auto& status = client.newest_status();
+  const auto& status = client.take_status();
   if (!status) return {};
   return gateway::dds::owner_seen(status->application, status->application_strength,
                                   status->application_writer);

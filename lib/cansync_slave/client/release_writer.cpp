@@ -13,7 +13,7 @@ namespace cansync_slave::client {
 namespace {
 
 gateway::dds::OwnerSeen owner_of(SlaveClient& client, std::uint8_t telegram) {
-  const auto& status = client.newest_status();
+  const auto& status = client.take_status();
   if (!status || (telegram != 1 && telegram != 2)) return {};
   const cansync_slave_Ownership& owner = status->actual_ownership[telegram - 1u];
   return gateway::dds::owner_seen(owner.writer, owner.strength, owner.writer_guid);

@@ -53,7 +53,7 @@ int SlaveClient::take(const Listener& listener) {
   references_.take(
       [&](const cansync_slave_ReferencesReceived& sample) { pass(listener.references, sample); });
   monitored_.take([&](const cansync_slave_MonitoredValues& sample) { pass(listener.monitored, sample); });
-  status_.take([&](const cansync_slave_SlaveSideStatus& sample) { newest_ = sample; });
+  (void)take_status();
   command_replies_.take([&](const cansync_slave_SlaveCommandReply& reply) {
     if (is_mine(reply)) pass(listener.command_reply, reply);
   });
@@ -69,17 +69,16 @@ bool SlaveClient::receive(milliseconds time, const Listener& listener) {
   return wait_until(time, [&] { return take(listener) > 0; });
 }
 
-const std::optional<cansync_slave_SlaveSideStatus>& SlaveClient::newest_status() {
-  status_.take([this](const cansync_slave_SlaveSideStatus& sample) { newest_ = sample; });
-  return newest_;
+const std::optional<cansync_slave_SlaveSideStatus>& SlaveClient::take_status() {
+  return newest_.take(status_);
 }
 
 std::optional<cansync_slave_SlaveSideStatus> SlaveClient::status(milliseconds time) {
   (void)wait_until(time, [this] {
     sight().look();
-    return newest_status().has_value();
+    return take_status().has_value();
   });
-  return newest_;
+  return newest_.told();
 }
 
 }  // namespace cansync_slave::client

@@ -8,6 +8,7 @@
 #include "cansync_slave/dds/topics.h"
 #include "dds/ask/request_client.h"
 #include "dds/endpoint.h"
+#include "dds/newest.h"
 
 /// A program's side of the bus of a slave: the application behind the slave.
 namespace cansync_slave::client {
@@ -40,10 +41,15 @@ class SlaveClient : public gateway::dds::RequestClient {
   /// daemon has gone.
   bool receive(std::chrono::milliseconds time, const Listener& listener);
 
-  /// What the daemon told last of the slave, waiting at most `time` for the first; nothing: none came.
+  /// What the daemon told last of the slave, waiting at most `time` for the first; nothing: none came, or the daemon
+  /// has gone.
   std::optional<cansync_slave_SlaveSideStatus> status(std::chrono::milliseconds time);
-  /// The newest that has come, without waiting; nothing: none has.
-  const std::optional<cansync_slave_SlaveSideStatus>& newest_status();
+  /// As `status`, without waiting.
+  const std::optional<cansync_slave_SlaveSideStatus>& take_status();
+  /// As `status`, of what was taken so far; takes nothing.
+  const std::optional<cansync_slave_SlaveSideStatus>& newest_status() const noexcept {
+    return newest_.told();
+  }
 
   /// Has the slave do what `wanted` says: mode, own mapping, listening. Who asks, and which start of the
   /// daemon is asked, need not stand in it. Never waits: the one reply comes with `receive`, and none when
@@ -66,7 +72,7 @@ class SlaveClient : public gateway::dds::RequestClient {
   gateway::dds::Reader<cansync_slave_SlaveSideStatus> status_;
   gateway::dds::Reader<cansync_slave_SlaveCommandReply> command_replies_;
   gateway::dds::Writer<cansync_slave_SlaveCommand> commands_;
-  std::optional<cansync_slave_SlaveSideStatus> newest_;
+  gateway::dds::Newest<cansync_slave_SlaveSideStatus> newest_;
 };
 
 }  // namespace cansync_slave::client

@@ -32,8 +32,7 @@ bool RequestClient::may_answer(const DaemonIdentity& daemon) {
 }
 
 const std::optional<gateway_BusStatus>& RequestClient::bus_status() {
-  bus_reader_.take([this](const gateway_BusStatus& sample) { bus_ = sample; });
-  return bus_;
+  return bus_.take(bus_reader_);
 }
 
 std::optional<Ended> RequestClient::obstacle() {

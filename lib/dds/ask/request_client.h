@@ -16,6 +16,7 @@
 #include "dds/daemon_identity.h"
 #include "dds/endpoint.h"
 #include "dds/gateway_topics.h"
+#include "dds/newest.h"
 #include "dds/participant.h"
 #include "dds/signal.h"
 #include "gateway.h"
@@ -56,7 +57,8 @@ class RequestClient {
   bool may_answer(const DaemonIdentity& daemon);
   /// Which daemon serves the bus, as it published last; once a second, taken by every function that looks.
   const gateway_GatewayStatus& gateway_status() const noexcept { return *sight_.newest(); }
-  /// The newest state of the controller and its interface; nothing: none was published yet. Never waits.
+  /// The newest state of the controller and its interface; nothing: a daemon that is there has published none yet.
+  /// Never waits.
   const std::optional<gateway_BusStatus>& bus_status();
 
   /// For writers of topics of their own.
@@ -180,7 +182,7 @@ class RequestClient {
   Participant participant_;
   DataSignal signal_;
   Reader<gateway_BusStatus> bus_reader_;
-  std::optional<gateway_BusStatus> bus_;
+  Newest<gateway_BusStatus> bus_;
   DaemonSight sight_;
   const ReaderBase* presence_ = nullptr;
   std::uint64_t number_ = 0;  ///< of the last request

@@ -58,7 +58,7 @@ Begun MessageClient::begin(j1939_MessageKind kind, const Message& message, std::
 Result MessageClient::request(j1939_MessageKind kind, const Message& message, std::uint32_t timeout_ms) {
   look_until_reached();
   const Begun begun = begin(kind, message, timeout_ms);
-  const auto by_default = newest_ ? milliseconds(newest_->send_timeout) : kDefaultMonitoring;
+  const auto by_default = newest_status() ? milliseconds(newest_status()->send_timeout) : kDefaultMonitoring;
   const auto monitoring =
       timeout_ms != 0
           ? milliseconds(timeout_ms)
@@ -88,22 +88,28 @@ void MessageClient::look(const Listener& listener) {
   batches_.take([&](const j1939_MessageBatch& batch) {
     if (listener.batch) listener.batch(batch);
   });
-  status_.take([this](const j1939_NodeStatus& sample) { newest_ = sample; });
+  (void)newest_.take(status_);
 }
 
 void MessageClient::take_state() {
   sight().look();
   take_replies([](std::uint64_t, const Result&) {});  // of requests that were given up
-  status_.take([this](const j1939_NodeStatus& sample) { newest_ = sample; });
-  tables_.take([this](const j1939_AddressTable& sample) {
-    addresses_.emplace(sample.addresses._buffer, sample.addresses._buffer + sample.addresses._length);
-  });
-  faults_.take([this](const j1939_FaultList& sample) {
-    Faults& faults = told_[{sample.source, sample.active}];
-    faults.codes.assign(sample.codes._buffer, sample.codes._buffer + sample.codes._length);
-    faults.list = sample;
-    faults.list.codes = {};
-  });
+  (void)newest_.take(status_);
+  tables_.take(
+      [this](const j1939_AddressTable& sample) {
+        addresses_.emplace(sample.addresses._buffer, sample.addresses._buffer + sample.addresses._length);
+      },
+      [this](const j1939_AddressTable& /*gone*/) { addresses_.reset(); });
+  faults_.take(
+      [this](const j1939_FaultList& sample) {
+        Faults& faults = told_[{sample.source, sample.active}];
+        faults.codes.assign(sample.codes._buffer, sample.codes._buffer + sample.codes._length);
+        faults.list = sample;
+        faults.list.codes = {};
+      },
+      [this](const j1939_FaultList& gone) {
+        told_.erase({gone.source, gone.active});
+      });
 }
 
 bool MessageClient::receive(milliseconds time, const std::function<void(const j1939_MessageBatch&)>& on_batch,
@@ -128,8 +134,8 @@ void MessageClient::look_until(milliseconds time, const std::function<bool()>& t
 }
 
 std::optional<j1939_NodeStatus> MessageClient::status(milliseconds time) {
-  look_until(time, [this] { return newest_.has_value(); });
-  return newest_;
+  look_until(time, [this] { return newest_status().has_value(); });
+  return newest_status();
 }
 
 std::optional<std::vector<j1939_ClaimedAddress>> MessageClient::addresses(milliseconds time) {

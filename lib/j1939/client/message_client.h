@@ -10,6 +10,7 @@
 
 #include "dds/ask/request_client.h"
 #include "dds/endpoint.h"
+#include "dds/newest.h"
 #include "j1939.h"
 #include "j1939/dds/topics.h"
 
@@ -74,10 +75,11 @@ class MessageClient : public gateway::dds::RequestClient {
   bool receive(std::chrono::milliseconds time, const std::function<void(const j1939_MessageBatch&)>& on_batch,
                const std::function<void(const j1939_LongMessage&)>& on_long = {});
 
-  /// What the daemon told last of itself as a node, waiting at most `time` for the first; nothing: none came.
+  /// What the daemon told last of itself as a node, waiting at most `time` for the first; nothing: none came, or the
+  /// daemon has gone. So do the next ones.
   std::optional<j1939_NodeStatus> status(std::chrono::milliseconds time);
   /// As `status`, of what was taken so far; takes nothing.
-  const std::optional<j1939_NodeStatus>& newest_status() const noexcept { return newest_; }
+  const std::optional<j1939_NodeStatus>& newest_status() const noexcept { return newest_.told(); }
   /// The addresses that were claimed, rising; waits as `status`. Nothing: none were told.
   std::optional<std::vector<j1939_ClaimedAddress>> addresses(std::chrono::milliseconds time);
   /// The faults told of so far, by source, and whether they are active; looks for `time`.
@@ -99,7 +101,7 @@ class MessageClient : public gateway::dds::RequestClient {
   gateway::dds::Reader<j1939_FaultList> faults_;
   gateway::dds::Writer<j1939_MessageRequest> requests_;
   gateway::dds::Writer<gateway_JobCancel> cancels_;
-  std::optional<j1939_NodeStatus> newest_;
+  gateway::dds::Newest<j1939_NodeStatus> newest_;
   std::optional<std::vector<j1939_ClaimedAddress>> addresses_;
   std::map<std::pair<std::uint8_t, bool>, Faults> told_;
 };

@@ -40,7 +40,7 @@ FrameClient::FrameClient(const Options& options)
 
 milliseconds FrameClient::monitoring_of(std::uint32_t timeout_ms) const {
   if (timeout_ms != 0) return milliseconds(timeout_ms);
-  return newest_ ? milliseconds(newest_->send_timeout) : kDefaultMonitoring;
+  return newest_status() ? milliseconds(newest_status()->send_timeout) : kDefaultMonitoring;
 }
 
 Begun FrameClient::begin_send(const can::Frame& frame, std::uint32_t timeout_ms, const SendChoice& choice) {
@@ -135,7 +135,7 @@ void FrameClient::look(const Listener& listener) {
   batches_.take([&](const layer2_FrameBatch& batch) {
     if (listener.batch) listener.batch(batch);
   });
-  status_.take([this](const layer2_FrameStatus& sample) { newest_ = sample; });
+  (void)take_status();
   if (listener.object) object_status_.take(listener.object);
   if (listener.image) image_reader_.take(listener.image);
 }
@@ -222,13 +222,12 @@ bool FrameClient::receive(milliseconds time, const std::function<void(const laye
 }
 
 const std::optional<layer2_FrameStatus>& FrameClient::take_status() {
-  status_.take([this](const layer2_FrameStatus& sample) { newest_ = sample; });
-  return newest_;
+  return newest_.take(status_);
 }
 
 std::optional<layer2_FrameStatus> FrameClient::status(milliseconds time) {
   (void)look_until(time, [this] { return take_status().has_value(); });
-  return newest_;
+  return newest_status();
 }
 
 }  // namespace layer2::client

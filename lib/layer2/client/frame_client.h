@@ -13,6 +13,7 @@
 #include "can/frame.h"
 #include "dds/ask/request_client.h"
 #include "dds/endpoint.h"
+#include "dds/newest.h"
 #include "layer2.h"
 #include "layer2/dds/topics.h"
 
@@ -119,13 +120,14 @@ class FrameClient : public gateway::dds::RequestClient {
   /// another one; nothing: none came, for there is no mapping.
   std::optional<layer2_ProcessImage> image(std::chrono::milliseconds time, bool fresh = false);
 
-  /// What the daemon told last of its frames, waiting at most `time` for the first; nothing: none came.
+  /// What the daemon told last of its frames, waiting at most `time` for the first; nothing: none came, or the daemon
+  /// has gone.
   std::optional<layer2_FrameStatus> status(std::chrono::milliseconds time);
 
   /// As `status`, without waiting.
   const std::optional<layer2_FrameStatus>& take_status();
   /// As `status`, of what was taken so far; takes nothing.
-  const std::optional<layer2_FrameStatus>& newest_status() const noexcept { return newest_; }
+  const std::optional<layer2_FrameStatus>& newest_status() const noexcept { return newest_.told(); }
 
   /// Waits a second at most until the daemon reads what a writer writes.
   void wait_for_match(const gateway::dds::WriterBase& writer);
@@ -159,7 +161,7 @@ class FrameClient : public gateway::dds::RequestClient {
   gateway::dds::Writer<layer2_ControlRequest> controls_;
   gateway::dds::Writer<layer2_ObjectRequest> object_requests_;
   gateway::dds::Writer<gateway_JobCancel> cancels_;
-  std::optional<layer2_FrameStatus> newest_;
+  gateway::dds::Newest<layer2_FrameStatus> newest_;
   std::map<unsigned, layer2_TimerStatus> timers_;
   std::map<unsigned, layer2_ObjectStatus> objects_;
   std::optional<layer2_ProcessImage> image_;

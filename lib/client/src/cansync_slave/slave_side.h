@@ -64,10 +64,13 @@ class SlaveSide {
   void look();
 
   cansync_slave::client::SlaveClient& client() noexcept { return client_; }
-  bool daemon_present() const noexcept { return client_.daemon_present(); }
+  /// A daemon is there, and has told of its slave.
+  bool daemon_present() const noexcept {
+    return client_.daemon_present() && client_.newest_status().has_value();
+  }
   /// The start of the daemon that is there, or was last.
   const gateway::dds::DaemonIdentity& daemon() const noexcept { return daemon_; }
-  /// What the daemon told last.
+  /// What the daemon told last; one that is there no more, too (`daemon_present`).
   const Status& status() const noexcept { return status_; }
 
   const Telegrams& references() const noexcept { return references_; }

@@ -85,14 +85,14 @@ std::string_view MessageSide::claim() const {
 }
 
 std::string MessageSide::obstacle() {
-  if (!client_.daemon_present()) return "client: no daemon serves the bus";
+  if (!daemon_present()) return "client: no daemon serves the bus";
   if (claim() == kClaimed) return {};
   return "daemon: it has no address on this bus (" + std::string(claim()) +
          "); give it address.preferred, or wait until it is claimed";
 }
 
 std::string MessageSide::silence() {
-  if (!client_.daemon_present()) return "client: no daemon serves the bus";
+  if (!daemon_present()) return "client: no daemon serves the bus";
   if (claim() == kClaimed || claim() == kListening) return {};
   return "daemon: it has no address on this bus (" + std::string(claim()) + ")";
 }

@@ -46,7 +46,10 @@ class MessageSide {
 
   ModuleQueues<Frame>& queues() noexcept { return queues_; }
   j1939::client::MessageClient& client() noexcept { return client_; }
-  bool daemon_present() const noexcept { return client_.daemon_present(); }
+  /// A daemon is there, and has told of itself as a node.
+  bool daemon_present() const noexcept {
+    return client_.daemon_present() && client_.newest_status().has_value();
+  }
   /// Why the frame that failed last was not sent; empty: none has.
   const std::string& failure() const noexcept { return failure_; }
   /// Frames that were taken and are known not to have been sent whole.

@@ -129,7 +129,7 @@ void FrameSide::note_failure(const Result& result) {
 }
 
 std::string FrameSide::obstacle() const {
-  if (!client_.daemon_present()) return "client: no daemon serves the bus";
+  if (!daemon_present()) return "client: no daemon serves the bus";
   if (!client_.newest_status()->running) return "daemon: it is in stop; let it run first (cansync can run)";
   return {};
 }
@@ -142,13 +142,14 @@ layer2::StatusFacts FrameSide::facts() {
 
 std::uint16_t FrameSide::status_word() {
   layer2::StatusFacts facts = this->facts();
-  const layer2_FrameStatus& daemon = *client_.newest_status();
   facts.send = queues_.sending();
-  facts.send.high_half_full |= half_full(daemon.send_high_waiting, daemon.send_high_depth);
-  facts.send.normal_half_full |= half_full(daemon.send_waiting, daemon.send_depth);
-  facts.send.overflowed |= daemon.send_overflowed;
   facts.receive = queues_.receiving();
-  facts.receive.overflowed |= daemon.receive_overflowed;
+  if (const auto& daemon = client_.newest_status()) {
+    facts.send.high_half_full |= half_full(daemon->send_high_waiting, daemon->send_high_depth);
+    facts.send.normal_half_full |= half_full(daemon->send_waiting, daemon->send_depth);
+    facts.send.overflowed |= daemon->send_overflowed;
+    facts.receive.overflowed |= daemon->receive_overflowed;
+  }
   return layer2::status_word(facts);
 }
 

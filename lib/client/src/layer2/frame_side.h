@@ -64,7 +64,10 @@ class FrameSide {
   SaiaQueues& basic() noexcept { return basic_; }
   /// The message objects.
   DirectAccess& objects() noexcept { return objects_; }
-  bool daemon_present() const noexcept { return client_.daemon_present(); }
+  /// A daemon is there, and has told of its frames.
+  bool daemon_present() const noexcept {
+    return client_.daemon_present() && client_.newest_status().has_value();
+  }
   /// Why the frame that failed last was not sent; empty: none has.
   const std::string& failure() const noexcept { return failure_; }
   /// Frames that were taken and are known not to have been sent.
