@@ -122,6 +122,29 @@ class Restart(unittest.TestCase):
             file.write(text)
         self.gateway.process.send_signal(signal.SIGHUP)
 
+    def test_a_reload_that_changes_what_values_are(self):
+        path = os.path.join(self.folder, "line.csv")
+        recording = self.follow("record", path)
+        waiting = self.follow("wait", "value", "winder", "position", ">", "1e9")
+        wait_for("the recording has begun", lambda: self.last_row(path))
+        self.reload(('name = "winder"', 'name = "coiler"'), ("factor = 0.001", "factor = 0.002"))
+        wait_for("the recording says it", lambda: "'position [mm]' is number * 0.002" in recording.said())
+        wait_for("the wait has no such slave any more", lambda: waiting.process.poll() is not None)
+        self.assertEqual(waiting.process.returncode, 2, waiting.said())
+        self.assertIn("winder", waiting.said())
+        self.assertIsNone(recording.process.poll())
+
+        def rows():
+            with open(path, encoding="utf-8", newline="") as file:
+                return list(csv.reader(file))[1:-1]  # the last may have no end yet
+        wait_for("rows under the new name", lambda: any(row[5:6] == ["coiler"] for row in rows()))
+        comments = [index for index, row in enumerate(rows()) if row[0].startswith("#")]
+        self.assertEqual(len(comments), 2, rows())
+        before, after = rows()[:comments[0]], rows()[comments[-1] + 1:]
+        self.assertIn("winder", {row[5] for row in before})
+        self.assertNotIn("coiler", {row[5] for row in before})
+        self.assertNotIn("winder", {row[5] for row in after})
+
     def test_a_reload_sets_a_line_up_anew_that_is_not_active(self):
         events = self.follow("events", "--follow")
         wait_for("it has begun", events.wrote)

@@ -119,7 +119,7 @@ void StatePublisher::set_names(const Config& config) {
   config_.slaves = config.slaves;
   for (unsigned i = 0; i < cansync::kSlaves; ++i) {
     slaves_[i].names = names_of(config.slaves[i].actual, settings_.actual_mapping[i]);
-    slaves_[i].dirty = config_.master.slaves[i].configured;
+    slaves_[i].dirty = slaves_[i].has_other_values = config_.master.slaves[i].configured;
   }
   master_dirty_ = true;
   profiles_.tell(config);
@@ -128,6 +128,8 @@ void StatePublisher::set_names(const Config& config) {
 SteadyTime StatePublisher::step(Exchange& exchange, SteadyTime now) {
   take_settings(exchange);
   take_master(exchange);
+  take_slaves(exchange);
+  tell_other_values(now);  // before values that are by them
   take_actual(exchange);
   IntervalReport interval;
   if (exchange.interval.read(interval) && config_.dds.interval_topic) {
@@ -146,9 +148,8 @@ SteadyTime StatePublisher::step(Exchange& exchange, SteadyTime now) {
   SteadyTime next = master_published_ + kMasterPeriod;
   for (std::uint8_t i = 0; i < cansync::kSlaves; ++i) {
     Slave& slave = slaves_[i];
-    if (exchange.slave[i].read(slave.report)) slave.dirty = config_.master.slaves[i].configured;
     if (!slave.dirty) continue;
-    if (slave.remapped || now - slave.published >= kSlavePeriod) {
+    if (now - slave.published >= kSlavePeriod) {
       publish_slave(*SlaveNumber::from(i), now);
     } else {
       next = std::min(next, slave.published + kSlavePeriod);
@@ -160,8 +161,12 @@ SteadyTime StatePublisher::step(Exchange& exchange, SteadyTime now) {
 void StatePublisher::tell_settings(Exchange& exchange, SteadyTime now) {
   take_settings(exchange);
   if (master_dirty_) publish_master(now);
+  tell_other_values(now);
+}
+
+void StatePublisher::tell_other_values(SteadyTime now) {
   for (std::uint8_t i = 0; i < cansync::kSlaves; ++i) {
-    if (slaves_[i].remapped) publish_slave(*SlaveNumber::from(i), now);
+    if (slaves_[i].has_other_values) publish_slave(*SlaveNumber::from(i), now);
   }
 }
 
@@ -180,13 +185,19 @@ void StatePublisher::take_settings(Exchange& exchange) {
   for (unsigned i = 0; i < cansync::kSlaves; ++i) {
     slaves_[i].names = names_of(config_.slaves[i].actual, settings_.actual_mapping[i]);
     slaves_[i].dirty = config_.master.slaves[i].configured;
-    if (settings_.actual_mapping[i] != before[i]) slaves_[i].remapped = slaves_[i].dirty;
+    if (settings_.actual_mapping[i] != before[i]) slaves_[i].has_other_values = slaves_[i].dirty;
   }
 }
 
 void StatePublisher::take_master(Exchange& exchange) {
   const auto before = essence(master_);
   if (exchange.master.read(master_) && essence(master_) != before) master_dirty_ = true;
+}
+
+void StatePublisher::take_slaves(Exchange& exchange) {
+  for (std::uint8_t i = 0; i < cansync::kSlaves; ++i) {
+    if (exchange.slave[i].read(slaves_[i].report)) slaves_[i].dirty = config_.master.slaves[i].configured;
+  }
 }
 
 void StatePublisher::take_actual(Exchange& exchange) {
@@ -256,7 +267,7 @@ void StatePublisher::publish_slave(SlaveNumber number, SteadyTime now) {
     dds::copy_text(config.parameters->hash, sample.profile_hash);
   }
   (void)slave_writer_.write(sample);
-  slave.dirty = slave.remapped = false;
+  slave.dirty = slave.has_other_values = false;
   slave.published = now;
 }
 

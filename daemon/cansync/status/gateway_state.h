@@ -69,14 +69,16 @@ class StatePublisher {
     std::array<std::uint64_t, cansync::kChannels> told = {};  ///< count of telegrams that were published
     std::array<cansync_ValueName, cansync::kValues> names = {};
     bool dirty = false;                              ///< something is to be told
-    bool remapped = false;                           ///< and at once
+    bool has_other_values = false;                   ///< and at once: mapping, names or scaling are others
     std::optional<cansync_SlaveStatus> told_status;  ///< the newest sample
     SteadyTime published;
   };
 
   void take_settings(Exchange& exchange);
   void take_master(Exchange& exchange);
+  void take_slaves(Exchange& exchange);
   void take_actual(Exchange& exchange);
+  void tell_other_values(SteadyTime now);
   void publish_master(SteadyTime now);
   void publish_slave(cansync::SlaveNumber number, SteadyTime now);
 

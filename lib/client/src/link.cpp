@@ -435,7 +435,9 @@ void Link::with_feeds(Use&& use) {
 }
 
 void Link::take_feeds(const std::vector<Place>& matched, bool present) {
-  with_feeds([](auto& feed) { feed.take(); });
+  actual_.take();  // before the statuses that say what they are: the daemon tells those first
+  const auto take = [](auto&... feeds) { (feeds.take(), ...); };
+  take(gateway_, bus_, realtime_, master_, slaves_, events_, timing_, interval_);
   choose_daemon(matched);
   // A daemon is known by its GatewayStatus: of one that has not told it yet nothing is forgotten either.
   std::vector<Place> living;

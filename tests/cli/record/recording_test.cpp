@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <span>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -74,7 +76,7 @@ TEST_F(Recording, RefusesAValueThatNobodyHas) {
 }
 
 TEST_F(Recording, ARowHoldsWhatCameInOneInterval) {
-  const RecordPlan plan(slaves, {}, false);
+  RecordPlan plan(slaves, {}, false);
   RecordRows rows(plan, 1);
   rows.take(sample(0, 4, 3));
   rows.take(sample(3, 7, 1));
@@ -90,7 +92,7 @@ TEST_F(Recording, ARowHoldsWhatCameInOneInterval) {
 }
 
 TEST_F(Recording, ARawWordHasItsOwnSign) {
-  const RecordPlan plan(slaves, {"position", "torque"}, true);
+  RecordPlan plan(slaves, {"position", "torque"}, true);
   RecordRows rows(plan, 1);
   rows.take(sample(0, 4, 3));
   newest[0].words = 0x10;
@@ -102,7 +104,7 @@ TEST_F(Recording, ARawWordHasItsOwnSign) {
 }
 
 TEST_F(Recording, ATelegramWhoseOwnSampleWasOvertakenIsNotLost) {
-  const RecordPlan plan(slaves, {"position", "torque"}, true);
+  RecordPlan plan(slaves, {"position", "torque"}, true);
   RecordRows rows(plan, 1);
   rows.take(sample(0, 4, 3));
   static_cast<void>(sample(0, 8, 1));  // only the newest sample of a slave is kept on the way
@@ -111,7 +113,7 @@ TEST_F(Recording, ATelegramWhoseOwnSampleWasOvertakenIsNotLost) {
 }
 
 TEST_F(Recording, RowsAreHeldBackUntilTheIntervalIsOver) {
-  const RecordPlan plan(slaves, {}, false);
+  RecordPlan plan(slaves, {}, false);
   RecordRows rows(plan, 1);
   rows.take(sample(0, 4, 1));
   rows.take(sample(0, 8, 1));
@@ -124,7 +126,7 @@ TEST_F(Recording, RowsAreHeldBackUntilTheIntervalIsOver) {
 
 // What waits in DDS is given slave by slave; half of it may be here when rows are written.
 TEST_F(Recording, RowsStandInTheOrderOfIntervalsAlsoWhenASlaveComesLate) {
-  const RecordPlan plan(slaves, {}, false);
+  RecordPlan plan(slaves, {}, false);
   RecordRows rows(plan, 1);
   rows.take(sample(0, 4, 1));
   rows.take(sample(3, 7, 1));
@@ -139,7 +141,7 @@ TEST_F(Recording, RowsStandInTheOrderOfIntervalsAlsoWhenASlaveComesLate) {
 }
 
 TEST_F(Recording, TakesEachNthRowOfASlave) {
-  const RecordPlan plan(slaves, {}, false);
+  RecordPlan plan(slaves, {}, false);
   RecordRows rows(plan, 3);
   for (std::uint64_t interval = 0; interval < 44; interval += 4) {
     rows.take(sample(0, interval, 1));
@@ -150,7 +152,7 @@ TEST_F(Recording, TakesEachNthRowOfASlave) {
 }
 
 TEST_F(Recording, CountsTurnsWithoutARow) {
-  const RecordPlan plan(slaves, {}, false);
+  RecordPlan plan(slaves, {}, false);
   RecordRows rows(plan, 1);
   rows.set_polling(status);
   rows.take(sample(0, 4, 1));
@@ -168,7 +170,7 @@ TEST_F(Recording, CountsTurnsWithoutARow) {
 }
 
 TEST_F(Recording, WhatIsNotYetWrittenIsBounded) {
-  const RecordPlan plan(slaves, {}, false);
+  RecordPlan plan(slaves, {}, false);
   RecordRows rows(plan, 1);
   for (std::uint64_t interval = 0; interval < 1000; ++interval) {
     rows.take(sample(0, interval, 3));
@@ -178,8 +180,85 @@ TEST_F(Recording, WhatIsNotYetWrittenIsBounded) {
   EXPECT_LE(std::count(rest.begin(), rest.end(), '\n'), 4);
 }
 
+/// The comments of a recording, without their time.
+std::vector<std::string> comments(const std::string& lines) {
+  std::vector<std::string> out;
+  std::istringstream all(lines);
+  const std::string begin = "# " + utc_text(kNoon) + ' ';
+  for (std::string line; std::getline(all, line);)
+    if (line.starts_with(begin)) out.push_back(line.substr(begin.size()));
+  return out;
+}
+
+TEST_F(Recording, FollowsWhatAReloadMakesOfAValueAndSaysSo) {
+  RecordPlan plan(slaves, {}, false);
+  RecordRows rows(plan, 1);
+  EXPECT_TRUE(rows.update(slaves[0], kNoon).empty()) << "as it was";
+  rows.take(sample(0, 4, 1));
+  rows.take(sample(0, 8, 3));
+  client::SlaveStatus& changed = slaves[0];
+  put(changed.name, "rewinder");
+  changed.actual_value[0].factor = 0.5;
+  changed.actual_value[0].offset = -3;
+  put(changed.actual_value[4].name, "draw");
+  const std::vector<std::string> said{
+      "slave 0 is 'rewinder' from here on, and was 'unwinder'",
+      "slave 0, value 0: from here on 'position [mm]' is number * 0.5 + -3",
+      "slave 0, value 4: from here on it is 'draw [%]', for which the file has no column: it is not recorded"};
+  EXPECT_EQ(rows.update(changed, kNoon), said);
+  EXPECT_TRUE(rows.update(changed, kNoon).empty()) << "said once";
+  rows.take(sample(0, 12, 3));
+  const std::string all = rows.lines(true);
+  EXPECT_EQ(comments(all), said);
+  EXPECT_NE(all.find(",8,0,unwinder,-0.8,,-0.8\n#"), std::string::npos) << all;
+  EXPECT_TRUE(all.ends_with(",12,0,rewinder,-1.2,,\n")) << all;
+
+  put(changed.actual_value[4].name, "torque");
+  EXPECT_EQ(rows.update(changed, kNoon),
+            std::vector<std::string>{"slave 0, value 4: from here on it is 'torque [%]'"});
+  changed.actual_mapping[2] = changed.actual_mapping[3] = 0;
+  EXPECT_EQ(rows.update(changed, kNoon),
+            std::vector<std::string>{"slave 0, value 4: from here on it is not mapped any more"});
+}
+
+TEST_F(Recording, AValueThatTakesTheNameOfAnotherGoesToItsColumn) {
+  RecordPlan plan(slaves, {"position", "torque"}, true);
+  RecordRows rows(plan, 1);
+  rows.take(sample(0, 4, 3));
+  put(slaves[0].actual_value[0].name, "torque");
+  put(slaves[0].actual_value[4].name, "position");
+  EXPECT_EQ(rows.update(slaves[0], kNoon),
+            (std::vector<std::string>{"slave 0, value 0: from here on it is 'torque [raw]'",
+                                      "slave 0, value 4: from here on it is 'position [raw]'"}));
+  rows.take(sample(0, 8, 1));
+  EXPECT_TRUE(rows.lines(true).ends_with(",8,0,unwinder,,-8\n"));
+  slaves[0].actual_value[0].factor = 0.5;
+  EXPECT_TRUE(rows.update(slaves[0], kNoon).empty()) << "numbers as on the bus have no factor";
+  put(slaves[0].actual_value[0].name, "speed");
+  EXPECT_TRUE(rows.update(slaves[0], kNoon).size() == 1) << "it is not among --values";
+  EXPECT_FALSE(plan.column(0, 0));
+}
+
+TEST_F(Recording, ASlaveThatComesWithAReloadIsRecordedWhereItHasColumns) {
+  RecordPlan plan(std::span<const client::SlaveStatus>(slaves).first(1), {}, false);
+  RecordRows rows(plan, 1);
+  rows.take(sample(3, 7, 1));
+  put(slaves[1].name, "say \"x\"");
+  const std::vector<std::string> said{
+      "slave 3 is recorded from here on",
+      "slave 3, value 0: from here on it is 'value0', for which the file has no column: it is not recorded"};
+  EXPECT_EQ(rows.update(slaves[1], kNoon), said);
+  put(slaves[1].actual_value[0].name, "position");
+  put(slaves[1].actual_value[0].unit_symbol, "mm");
+  EXPECT_EQ(rows.update(slaves[1], kNoon),
+            std::vector<std::string>{"slave 3, value 0: from here on it is 'position [mm]'"});
+  rows.take(sample(3, 11, 1));
+  rows.take(sample(3, 15, 1));
+  EXPECT_NE(rows.lines(true).find(",15,3,\"say \"\"x\"\"\",-1.5,\n"), std::string::npos);
+}
+
 TEST_F(Recording, AnotherStartOfTheDaemonIsACommentAndNothingIsMissingInBetween) {
-  const RecordPlan plan(slaves, {"position"}, true);
+  RecordPlan plan(slaves, {"position"}, true);
   RecordRows rows(plan, 1);
   rows.set_polling(status);
   rows.take(sample(0, 1000, 1));
@@ -201,7 +280,7 @@ TEST_F(Recording, AnotherStartOfTheDaemonIsACommentAndNothingIsMissingInBetween)
 }
 
 TEST_F(Recording, TheCommentStandsBeforeTheFirstSampleOfTheNewStartHoweverLateItIsTold) {
-  const RecordPlan plan(slaves, {"position"}, true);
+  RecordPlan plan(slaves, {"position"}, true);
   RecordRows rows(plan, 1);
   rows.set_polling(status);
   for (const std::uint64_t interval : {1000u, 1004u, 12u, 16u}) rows.take(sample(0, interval, 1));

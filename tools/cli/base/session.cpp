@@ -196,6 +196,17 @@ RawForm raw_form(const cansync_ValueName& name) noexcept {
   return {name.width == 16 ? Width::word : Width::doubleword, name.is_signed};
 }
 
+bool same_values(const client::SlaveStatus& one, const client::SlaveStatus& other) {
+  const auto same = [](const cansync_ValueName& a, const cansync_ValueName& b) {
+    return client::text(a.name) == client::text(b.name) &&
+           client::text(a.unit_symbol) == client::text(b.unit_symbol) && a.factor == b.factor &&
+           a.offset == b.offset && a.width == b.width && a.is_signed == b.is_signed;
+  };
+  return client::text(one.name) == client::text(other.name) &&
+         std::equal(std::begin(one.actual_mapping), std::end(one.actual_mapping), other.actual_mapping) &&
+         std::equal(std::begin(one.actual_value), std::end(one.actual_value), other.actual_value, same);
+}
+
 ValueLookup value_lookup(const cansync_ValueName (&names)[8]) {
   std::array<std::string, 8> copy;
   for (std::size_t i = 0; i < copy.size(); ++i) copy[i] = names[i].name;

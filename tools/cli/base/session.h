@@ -180,6 +180,9 @@ void add_end(JsonObject& object, const client::Reply& reply);
 /// How the number of a value stands in its raw value, by what the daemon says of it.
 RawForm raw_form(const cansync_ValueName& name) noexcept;
 
+/// Has the slave the same name in both, and its actual values the same mapping, names, units and scaling?
+bool same_values(const client::SlaveStatus& one, const client::SlaveStatus& other);
+
 /// Which of the eight values has this name.
 ValueLookup value_lookup(const cansync_ValueName (&names)[8]);
 

@@ -96,7 +96,10 @@ class ValueLook {
         return false;
       }
       restarts.expect_one();
+      if (restarts.take()) session_.output().remark(kStartedAnew);
       const auto sample = newest.take(std::min(end_, Clock::now() + kLook));
+      // Name, number and unit are looked up again: they may mean another value now.
+      if (const auto now = told_of(client, slave); now && !same_values(*now, status)) return false;
       if (!sample || ((sample->ever >> (value / 4)) & 1u) == 0) continue;
       const double number = number_of(*sample, value, status.actual_value[value]);
       seen_.text = text_of(status.actual_value[value], number);
@@ -115,6 +118,18 @@ class ValueLook {
     for (const client::SlaveStatus& status : client.slaves())
       if (status.slave == slave) return status;
     throw UsageError(fmt::format("SLAVE: {} not configured", slave));
+  }
+
+  /// As it is known now, without waiting; nothing: the daemon has just gone, or does not have it any more.
+  static std::optional<client::SlaveStatus> told_of(client::Client& client, unsigned slave) {
+    try {
+      for (const client::SlaveStatus& status : client.slaves(std::chrono::milliseconds(0)))
+        if (status.slave == slave) return status;
+    } catch (const client::OtherProtocol&) {
+      throw;
+    } catch (const client::NoDaemon&) {  // said by `gone`
+    }
+    return std::nullopt;
   }
 
   double number_of(const client::ActualValues& sample, unsigned value, const cansync_ValueName& name) const {

@@ -2,9 +2,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "cli/base/files.h"
 #include "cli/base/interrupt.h"
@@ -38,19 +42,18 @@ struct RecordTexts {
   bool force = false;
 };
 
-/// Samples on their way from the client's thread to this one; one for which there is no room is counted.
+/// Values, and what they are, in the order they came, on their way from the client's thread to this one; what finds no
+/// room is counted.
 class Samples {
  public:
-  explicit Samples(client::Client& client)
-      : subscription_(client.on_actual_values([this](const client::ActualValues& sample) {
-          const std::lock_guard lock(mutex_);
-          if (waiting_.size() < kMostWaiting)
-            waiting_.push_back(sample);
-          else
-            ++dropped_;
-        })) {}
+  using Status = std::shared_ptr<const client::SlaveStatus>;
+  using Sample = std::variant<client::ActualValues, Status>;
 
-  std::vector<client::ActualValues> take_all() {
+  explicit Samples(client::Client& client)
+      : statuses_(client.on_slave_status([this](const client::SlaveStatus& status) { note(status); })),
+        values_(client.on_actual_values([this](const client::ActualValues& sample) { (void)put(sample); })) {}
+
+  std::vector<Sample> take_all() {
     const std::lock_guard lock(mutex_);
     return std::exchange(waiting_, {});
   }
@@ -60,10 +63,30 @@ class Samples {
   }
 
  private:
+  /// Statuses come all the time: one that says the same of the values is of no use.
+  void note(const client::SlaveStatus& status) {
+    Status& last = last_[status.slave];
+    if (last && same_values(*last, status)) return;
+    Status now = std::make_shared<const client::SlaveStatus>(status);
+    if (put(now)) last = std::move(now);
+  }
+  /// False: there is no room.
+  bool put(Sample sample) {
+    const std::lock_guard lock(mutex_);
+    if (waiting_.size() == kMostWaiting) {
+      ++dropped_;
+      return false;
+    }
+    waiting_.push_back(std::move(sample));
+    return true;
+  }
+
   std::mutex mutex_;
-  std::vector<client::ActualValues> waiting_;
+  std::vector<Sample> waiting_;
   std::uint64_t dropped_ = 0;
-  client::Subscription subscription_;  // ends before what its callback needs
+  std::map<unsigned, Status> last_;  ///< client's thread
+  client::Subscription statuses_;    // both end before what their callbacks need
+  client::Subscription values_;
 };
 
 /// How the recording goes, in one line of a terminal that is redrawn; says nothing elsewhere.
@@ -103,15 +126,39 @@ struct Recorded {
   std::string_view ended;  ///< duration, full, signal or daemon_gone
 };
 
-Recorded record(Session& session, const RecordPlan& plan, RecordFile& file, std::uint64_t every,
-                double duration) {
+/// What is recorded, and how.
+struct Recording {
+  RecordPlan& plan;
+  std::uint32_t slaves;  ///< that are wanted, also those that come later
+  std::uint64_t every;
+  double duration;  ///< s
+};
+
+/// Takes what has come; what a reload of the daemon has changed is said.
+void take(const std::vector<Samples::Sample>& samples, std::uint32_t wanted, RecordRows& rows,
+          const std::function<void(const std::string&)>& say) {
+  for (const Samples::Sample& sample : samples) {
+    if (const auto* values = std::get_if<client::ActualValues>(&sample)) {
+      rows.take(*values);
+    } else if (const auto& status = *std::get<Samples::Status>(sample);
+               ((wanted >> status.slave) & 1u) != 0) {
+      for (const std::string& change : rows.update(status, wall_clock())) say(change);
+    }
+  }
+}
+
+Recorded record(Session& session, const Recording& recording, RecordFile& file) {
   client::Client& client = session.client();
   Recorded recorded;
-  RecordRows rows(plan, every);
+  RecordRows rows(recording.plan, recording.every);
   RecordProgress progress;
-  RecordTime time(std::chrono::duration<double>(duration), Clock::now());
+  RecordTime time(std::chrono::duration<double>(recording.duration), Clock::now());
   Samples samples(client);
   Restarts restarts(client);
+  const auto say = [&](const std::string& remark) {
+    progress.clear();
+    session.output().remark(remark);
+  };
   while (recorded.ended.empty()) {
     const auto left = std::chrono::ceil<Clock::duration>(time.left(Clock::now()));
     if (wait_until(Clock::now() + std::min<Clock::duration>(kWritingPeriod, left)))
@@ -123,10 +170,9 @@ Recorded record(Session& session, const RecordPlan& plan, RecordFile& file, std:
     const bool anew = restarts.take();
     if (const auto status = client.master_status(std::chrono::milliseconds(0))) rows.set_polling(*status);
     // Samples of the start before may be among them.
-    for (const client::ActualValues& sample : samples.take_all()) rows.take(sample);
+    take(samples.take_all(), recording.slaves, rows, say);
     if (anew) {
-      progress.clear();
-      session.output().remark(kStartedAnew);
+      say(std::string(kStartedAnew));
       rows.restarted(wall_clock());
     }
     if (!file.write(rows.lines(!recorded.ended.empty()))) recorded.ended = "full";
@@ -199,10 +245,11 @@ ExitCode record_verb(Session& session, const RecordTexts& texts) {
   std::vector<client::SlaveStatus> slaves = client.slaves();
   std::erase_if(slaves,
                 [wanted](const client::SlaveStatus& slave) { return ((wanted >> slave.slave) & 1u) == 0; });
-  const RecordPlan plan(slaves, texts.values, texts.raw);
+  RecordPlan plan(slaves, texts.values, texts.raw);
   expect_new_files(texts.file, bounds, texts.force);
   RecordFile file(texts.file, plan.header(), bounds);
-  return tell(session, texts, plan, record(session, plan, file, every, duration));
+  const Recording recording{plan, texts.slaves.empty() ? ~std::uint32_t{0} : wanted, every, duration};
+  return tell(session, texts, plan, record(session, recording, file));
 }
 
 }  // namespace

@@ -49,21 +49,19 @@ std::string known_names(std::span<const client::SlaveStatus> slaves) {
 
 RecordPlan::RecordPlan(std::span<const client::SlaveStatus> slaves, const std::vector<std::string>& values,
                        bool raw)
-    : raw_(raw) {
+    : wanted_(values), raw_(raw) {
   std::vector<std::string> unknown = values;
+  for (const client::SlaveStatus& slave : slaves) {
+    names_[slave.slave] = slave.name;
+    values_[slave.slave] = values_of(slave);
+  }
   // By value first, so that what telegrams carry side by side stands side by side.
   for (unsigned i = 0; i < kSlaveValues; ++i) {
     for (const client::SlaveStatus& slave : slaves) {
-      names_[slave.slave] = slave.name;
-      if (((mapped_values(slave.actual_mapping) >> i) & 1u) == 0) continue;
-      const auto fits = [&](const std::string& wanted) { return is_one_of(slave, i, wanted); };
-      if (!values.empty() && std::none_of(values.begin(), values.end(), fits)) continue;
-      std::erase_if(unknown, fits);
-      const std::string text = heading(slave, i, raw);
-      const auto found = std::find(headings_.begin(), headings_.end(), text);
-      signed_[{slave.slave, i}] = raw_form(slave.actual_value[i]).is_signed;
-      columns_[{slave.slave, i}] = static_cast<std::size_t>(found - headings_.begin());
-      if (found == headings_.end()) headings_.push_back(text);
+      const auto& value = values_[slave.slave][i];
+      if (!value) continue;
+      std::erase_if(unknown, [&](const std::string& wanted) { return is_one_of(slave, i, wanted); });
+      if (!column_of(*value)) headings_.push_back(value->heading);
     }
   }
   if (!unknown.empty() || headings_.empty())
@@ -71,9 +69,76 @@ RecordPlan::RecordPlan(std::span<const client::SlaveStatus> slaves, const std::v
                                  fmt::join(unknown, ","), known_names(slaves)));
 }
 
+bool RecordPlan::is_wanted(const client::SlaveStatus& slave, unsigned value) const {
+  if (((mapped_values(slave.actual_mapping) >> value) & 1u) == 0) return false;
+  return wanted_.empty() || std::any_of(wanted_.begin(), wanted_.end(), [&](const std::string& wanted) {
+           return is_one_of(slave, value, wanted);
+         });
+}
+
+RecordPlan::Values RecordPlan::values_of(const client::SlaveStatus& slave) const {
+  Values values;
+  for (unsigned i = 0; i < kSlaveValues; ++i) {
+    if (!is_wanted(slave, i)) continue;
+    const auto& told = slave.actual_value[i];
+    values[i] = {heading(slave, i, raw_), raw_ ? 1 : told.factor, raw_ ? 0 : told.offset,
+                 raw_form(told).is_signed};
+  }
+  return values;
+}
+
+std::optional<std::size_t> RecordPlan::column_of(const Value& value) const {
+  const auto found = std::find(headings_.begin(), headings_.end(), value.heading);
+  if (found == headings_.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - headings_.begin());
+}
+
 std::optional<std::size_t> RecordPlan::column(unsigned slave, unsigned value) const {
-  const auto found = columns_.find({slave, value});
-  return found == columns_.end() ? std::nullopt : std::optional(found->second);
+  const auto found = values_.find(slave);
+  if (found == values_.end() || !found->second[value]) return std::nullopt;
+  return column_of(*found->second[value]);
+}
+
+bool RecordPlan::knows(const client::SlaveStatus& slave) const {
+  const auto name = names_.find(slave.slave);
+  return name != names_.end() && name->second == client::text(slave.name) &&
+         values_.at(slave.slave) == values_of(slave);
+}
+
+/// Empty: the reader of the file sees it.
+std::string RecordPlan::difference(const std::optional<Value>& before,
+                                   const std::optional<Value>& now) const {
+  const bool is_known = before && column_of(*before);
+  if (!now) return is_known ? "it is not mapped any more" : "";
+  if (!column_of(*now))
+    return fmt::format("it is '{}', for which the file has no column: it is not recorded", now->heading);
+  if (!is_known || before->heading != now->heading) return fmt::format("it is '{}'", now->heading);
+  if (before->factor != now->factor || before->offset != now->offset)
+    return fmt::format("'{}' is number * {:g} + {:g}", now->heading, now->factor, now->offset);
+  return fmt::format("'{}' is {}", now->heading, now->is_signed ? "signed" : "unsigned");
+}
+
+std::vector<std::string> RecordPlan::update(const client::SlaveStatus& slave) {
+  if (knows(slave)) return {};
+  std::vector<std::string> out;
+  const std::string name = slave.name;
+  const auto [known, is_new] = names_.try_emplace(slave.slave, name);
+  if (is_new) {
+    out.push_back(fmt::format("slave {} is recorded from here on", slave.slave));
+  } else if (known->second != name) {
+    out.push_back(
+        fmt::format("slave {} is '{}' from here on, and was '{}'", slave.slave, name, known->second));
+    known->second = name;
+  }
+  Values now = values_of(slave);
+  Values& before = values_[slave.slave];
+  for (unsigned i = 0; i < kSlaveValues; ++i) {
+    if (before[i] == now[i]) continue;
+    if (const std::string text = difference(before[i], now[i]); !text.empty())
+      out.push_back(fmt::format("slave {}, value {}: from here on {}", slave.slave, i, text));
+  }
+  before = std::move(now);
+  return out;
 }
 
 std::vector<unsigned> RecordPlan::slaves() const {
@@ -167,6 +232,17 @@ std::string RecordRows::take_lines(bool all) {
 
 void RecordRows::restarted(std::int64_t now) {
   if (!std::exchange(began_again_, false)) begin_again(now);
+}
+
+std::vector<std::string> RecordRows::update(const client::SlaveStatus& slave, std::int64_t now) {
+  if (plan_.knows(slave)) return {};
+  before_ += take_lines(true);
+  std::vector<std::string> changes = plan_.update(slave);
+  for (std::string comment : changes) {
+    std::replace(comment.begin(), comment.end(), '"', '\'');  // a comment is no field of the file
+    before_ += fmt::format("# {} {}\n", utc_text(now), comment);
+  }
+  return changes;
 }
 
 void RecordRows::begin_again(std::int64_t now) {

@@ -29,13 +29,19 @@ class RecordPlan {
   /// them.
   RecordPlan(std::span<const client::SlaveStatus> slaves, const std::vector<std::string>& values, bool raw);
 
+  /// Is what a slave told last what is recorded of it?
+  bool knows(const client::SlaveStatus& slave) const;
+  /// Takes up what a slave's values are from now on, recorded so far or not: the columns stay, and a value for which there
+  /// is none is recorded no more. Returns what is different, a sentence each.
+  std::vector<std::string> update(const client::SlaveStatus& slave);
+
   /// "position [mm]", in the order of the columns; "[raw]" for numbers as on the bus.
   const std::vector<std::string>& headings() const noexcept { return headings_; }
   bool raw() const noexcept { return raw_; }
   /// Where a slave's value 0..7 stands among the headings; nothing: it is not recorded.
   std::optional<std::size_t> column(unsigned slave, unsigned value) const;
   /// Whether the number of a value that is recorded has a sign.
-  bool is_signed(unsigned slave, unsigned value) const { return signed_.at({slave, value}); }
+  bool is_signed(unsigned slave, unsigned value) const { return values_.at(slave)[value]->is_signed; }
   const std::string& name(unsigned slave) const { return names_.at(slave); }
   bool records(unsigned slave) const { return names_.contains(slave); }
   std::vector<unsigned> slaves() const;
@@ -43,9 +49,24 @@ class RecordPlan {
   std::string header() const;
 
  private:
+  /// What is told of a value that is wanted.
+  struct Value {
+    std::string heading;
+    double factor = 1;  ///< of what is recorded: 1 and 0 for numbers as on the bus
+    double offset = 0;
+    bool is_signed = true;
+    bool operator==(const Value&) const = default;
+  };
+  using Values = std::array<std::optional<Value>, kSlaveValues>;
+
+  bool is_wanted(const client::SlaveStatus& slave, unsigned value) const;
+  Values values_of(const client::SlaveStatus& slave) const;
+  std::optional<std::size_t> column_of(const Value& value) const;
+  std::string difference(const std::optional<Value>& before, const std::optional<Value>& now) const;
+
   std::vector<std::string> headings_;
-  std::map<std::pair<unsigned, unsigned>, std::size_t> columns_;
-  std::map<std::pair<unsigned, unsigned>, bool> signed_;
+  std::vector<std::string> wanted_;
+  std::map<unsigned, Values> values_;
   std::map<unsigned, std::string> names_;
   bool raw_;
 };
@@ -62,7 +83,7 @@ struct RecordCounts {
 class RecordRows {
  public:
   /// `every`: takes each Nth row of a slave; at least 1. `plan` must outlive this object.
-  RecordRows(const RecordPlan& plan, std::uint64_t every) : plan_(plan), every_(every) {}
+  RecordRows(RecordPlan& plan, std::uint64_t every) : plan_(plan), every_(every) {}
 
   /// Who is asked how often, so that turns without a row are noticed; whenever it may have changed.
   void set_polling(const client::MasterStatus& status);
@@ -72,6 +93,9 @@ class RecordRows {
   /// Interval numbers begin again, and a comment says so: before the first sample with a lower number when
   /// one has come, else here. No turns are missing in between.
   void restarted(std::int64_t now);
+  /// What a slave's values are has changed, or not; told at `now` (CLOCK_REALTIME, ns). What is different is returned, and
+  /// stands as comments behind the rows of before.
+  std::vector<std::string> update(const client::SlaveStatus& slave, std::int64_t now);
   /// The lines that are complete, each with its end: of intervals that were over at the call before, because
   /// DDS gives what waits slave by slave, and the half of it may be here. With `all`: those of the newest
   /// intervals too.
@@ -97,7 +121,7 @@ class RecordRows {
   void count_missing(unsigned slave, Seen& seen, std::uint64_t interval);
   std::string line(const Place& place, const Row& row);
 
-  const RecordPlan& plan_;
+  RecordPlan& plan_;
   std::uint64_t every_;
   std::map<unsigned, Seen> seen_;
   std::map<Place, Row> open_;

@@ -138,6 +138,49 @@ TEST(GatewayState, AMappingOfASlaveIsToldBeforeTheReplyToWhoHasChangedIt) {
   }
 }
 
+/// When the newest sample that `fits` was written, of those that come; nothing: none did.
+template <class T>
+std::optional<dds_time_t> written(gateway::dds::Reader<T>& reader, gateway::dds::DataSignal& signal,
+                                  const std::function<bool(const T&)>& fits) {
+  std::optional<dds_time_t> time;
+  (void)eventually(signal, [&] {
+    (void)reader.take_batch([&](const T& sample, const dds_sample_info_t& info) {
+      if (info.valid_data && fits(sample)) time = info.source_timestamp;
+    });
+    return time.has_value();
+  });
+  return time;
+}
+
+TEST(GatewayState, WhatAValueIsAfterAReloadIsToldBeforeTheFirstValueThatIsSo) {
+  const TwoPlaces places;
+  const gateway::dds::Participant daemon(places.here);
+  const gateway::dds::Participant client(places.there);
+  gateway::dds::DataSignal signal;
+  gateway::dds::Reader<cansync_SlaveStatus> statuses(client, &signal);
+  gateway::dds::Reader<cansync_ActualValues> values(client, &signal);
+  Config config = gateway_config();
+  StatePublisher publisher(daemon, config, kTestDaemon);
+  Exchange exchange{ExchangeSizes()};
+  const SteadyTime start = SteadyTime() + std::chrono::hours(1);
+  (void)publisher.step(exchange, start);
+  ASSERT_TRUE(eventually(signal, [&] { return values.matched() == 1 && statuses.matched() == 1; }));
+
+  config.slaves[1].actual[0].factor = 2.0;
+  publisher.set_names(config);
+  ActualReport report;
+  report.values.value[0] = 7;
+  report.values.count = {1, 0};
+  exchange.actual[1].write(report);
+  (void)publisher.step(exchange, start + StatePublisher::kSlavePeriod / 10);
+  const auto value = written<cansync_ActualValues>(values, signal,
+                                                   [](const auto& s) { return s.scaled[0] == 7 * 2.0 + 10; });
+  const auto status = written<cansync_SlaveStatus>(
+      statuses, signal, [](const auto& s) { return s.slave == 1 && s.actual_value[0].factor == 2.0; });
+  ASSERT_TRUE(value && status);
+  EXPECT_LT(*status, *value);
+}
+
 TEST(GatewayState, TheWidthOfAValueFollowsTheMappingInForce) {
   GatewayRig rig;
   const auto first = rig.client.wait_for<cansync_SlaveStatus>([](const auto& s) { return s.slave == 1; });
