@@ -348,6 +348,36 @@ TEST_F(ClientTest, SlavesAreFoundByNumberAndName) {
             "slave 'nobody': no slave has this name; allowed 0..31 or slave0, slave1, slave2, slave3");
 }
 
+TEST_F(ClientTest, OfTwoSlavesThatBearANameWhileNamesAreExchangedNeitherIsMeant) {
+  Watched<bool> alike;
+  const auto subscription = client_->on_slave_status([&](const SlaveStatus& status) {
+    if (status.slave == 1) alike.change([&](bool& is) { is = dds::text(status.name) == "slave2"; });
+  });
+  daemon_->name_slave_1("slave2");
+  ASSERT_TRUE(alike.wait([](bool is) { return is; }));
+  const SlaveLookup found = client_->find_slave("slave2");
+  EXPECT_FALSE(found.slave);
+  EXPECT_EQ(found.problem,
+            "slave 'slave2': slaves 1 and 2 bear this name at the moment; ask again, or give a number");
+  EXPECT_EQ(client_->find_slave("slave3").slave, 3);
+  daemon_->name_slave_1("slave1");
+  ASSERT_TRUE(alike.wait([](bool is) { return !is; }));
+  EXPECT_EQ(client_->find_slave("slave2").slave, 2);
+}
+
+TEST_F(ClientTest, ANameIsUnknownOnlyWhenAllNamesWereTold) {
+  Watched<std::uint32_t> configured;
+  const auto subscription = client_->on_master_status([&](const MasterStatus& status) {
+    configured.change([&](std::uint32_t& mask) { mask = status.slaves_configured; });
+  });
+  daemon_->configure_slave_4();
+  ASSERT_TRUE(configured.wait([](std::uint32_t mask) { return mask == 0b11111; }));
+  EXPECT_EQ(client_->find_slave("slave2").slave, 2);
+  EXPECT_EQ(
+      client_->find_slave("nobody").problem,
+      "slave 'nobody': the daemon has not told the names of all slaves yet; ask again, or give a number");
+}
+
 TEST_F(ClientTest, SubscriptionsHearWhatIsKnownAndWhatComes) {
   daemon_->publish_actual(1, 11);
   Watched<std::map<int, std::uint32_t>> seen;

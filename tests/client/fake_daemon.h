@@ -124,6 +124,18 @@ class FakeDaemon {
     const std::lock_guard lock(mutex_);
     return refused_;
   }
+  /// From now on slave 1 bears this name: that of another, too, while names are exchanged.
+  void name_slave_1(const std::string& name) {
+    const std::lock_guard lock(mutex_);
+    name_of_1_ = name;
+    publish_state();
+  }
+  /// Another slave is configured, of which nothing is told yet.
+  void configure_slave_4() {
+    const std::lock_guard lock(mutex_);
+    settings_.slaves[4].configured = true;
+    publish_state();
+  }
   /// Another program changes the mapping of the reference values.
   void change_mapping() {
     const std::lock_guard lock(mutex_);
@@ -219,7 +231,7 @@ class FakeDaemon {
     for (std::uint8_t slave = 0; slave < 4; ++slave) {
       cansync_SlaveStatus status = {};
       status.slave = slave;
-      gateway::dds::copy_text("slave" + std::to_string(slave), status.name);
+      gateway::dds::copy_text(slave == 1 ? name_of_1_ : "slave" + std::to_string(slave), status.name);
       (void)slave_writer_.write(status);
     }
   }
@@ -475,6 +487,7 @@ class FakeDaemon {
   std::array<std::uint8_t, 8> mapping_ = {};
   cansync::State state_ = cansync::State::active_master;
   std::uint64_t mapping_number_ = 1;
+  std::string name_of_1_ = "slave1";
   std::atomic<std::size_t> requests_ = 0;
   std::atomic<std::size_t> elsewhere_ = 0;
   std::atomic<std::size_t> cancels_in_vain_ = 0;

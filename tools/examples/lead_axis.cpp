@@ -15,6 +15,7 @@
 #include <semaphore>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <utility>
 
 namespace {
@@ -28,15 +29,26 @@ std::int32_t behind(double position, const ActualValues& values) {
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(std::llround(position)) - values.raw[0]);
 }
 
+/// What a drive tells from now on: what is known may be from before the line ran, and drives can be moved by hand.
+ActualValues of_now(const Client& client, std::uint8_t slave) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  const auto known = client.actual_values(slave, std::chrono::seconds(10));
+  while (known && std::chrono::steady_clock::now() < end) {
+    const auto values = client.actual_values(slave);
+    if (values && values->interval[0] != known->interval[0]) return *values;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  throw std::runtime_error("no actual values: is process.poll_without_reference on, and does the line run?");
+}
+
 /// Where the drives stand, at most a turn apart.
 double standing(const Client& client) {
   double position = 0;
   bool first = true;
   for (const SlaveStatus& slave : client.slaves()) {
-    const auto values = client.actual_values(slave.slave, std::chrono::seconds(10));
-    if (!values) throw std::runtime_error("no actual values: is process.poll_without_reference on?");
-    if (std::exchange(first, false)) position = static_cast<std::int32_t>(values->raw[0]);
-    if (std::abs(behind(position, *values)) > 65536)
+    const ActualValues values = of_now(client, slave.slave);
+    if (std::exchange(first, false)) position = static_cast<std::int32_t>(values.raw[0]);
+    if (std::abs(behind(position, values)) > 65536)
       throw std::runtime_error("the drives stand apart: none is moved");
   }
   return position;
