@@ -32,6 +32,7 @@ constexpr std::int64_t kHighestGroup = 0x3FFFF;
 constexpr std::int64_t kHighestWord = 0xFFFFFFFF;
 /// Of a group the message stands for any source, with the priority that is the default.
 constexpr std::uint32_t kAnySource = 0xFE;
+constexpr std::uint32_t kAnyDestination = 0xFF00;  // of a group that has one
 constexpr std::uint32_t kDefaultPriority = 6U << 26;
 
 class Reader {
@@ -103,10 +104,12 @@ class Reader {
                        "found beside identifier or extended; allowed: a group (pgn), or an identifier");
       const std::int64_t group = fields.integer("pgn", 0, kHighestGroup).value_or(0);
       // Below 0xF000 the last byte is the destination, and no part of the group.
-      if ((group & 0xFF00) < 0xF000 && (group & 0xFF) != 0)
+      const bool has_destination = (group & 0xFF00) < 0xF000;
+      if (has_destination && (group & 0xFF) != 0)
         fields.problem("pgn", fmt::format("found 0x{:X}; allowed below 0xF000: one that ends in 00", group));
       message.extended = true;
-      message.identifier = kDefaultPriority | static_cast<std::uint32_t>(group) << 8 | kAnySource;
+      message.identifier = kDefaultPriority | static_cast<std::uint32_t>(group) << 8 |
+                           (has_destination ? kAnyDestination : 0) | kAnySource;
       return;
     }
     fields.require("identifier",

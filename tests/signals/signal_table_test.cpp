@@ -101,6 +101,11 @@ TEST(SignalTable, AGroupStandsForAnySourceAndHasTheDefaultPriority) {
   EXPECT_DOUBLE_EQ(dbc::read_signals(*engine, data).at(0).value, 1.5);
 }
 
+TEST(SignalTable, AGroupForOneNodeStandsForAnyDestination) {
+  const dbc::Database names = table("[[message]]\nname = \"Command\"\npgn = 0xEF00\n");
+  EXPECT_NE(names.find(0x18EFFFFE, true), nullptr);
+}
+
 TEST(SignalTable, WhatIsWrongIsToldWithItsPlace) {
   const auto tells = [](std::string_view text, std::string_view words) {
     const std::string found = problems(text);

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "dbc/database.h"
@@ -39,6 +40,12 @@ class Groups {
   dbc::Database database_;
   std::vector<Group> groups_;  ///< by rising group, those of one group in the order of the file
 };
+
+/// What a raw value says in the place of a value (SAE J1939-71): "not available", "error", "reserved" or "parameter
+/// specific"; empty: it is a value.
+std::string_view state_of(const dbc::Signal& signal, std::uint64_t raw);
+/// The signal with the words "not available" and "error" for the raw values that say so, as far as the file has them not.
+dbc::Signal with_states(dbc::Signal signal);
 
 /// As dbc::read_signals. What is no value by SAE J1939-71 and has no other name has the name "not available", "error",
 /// "reserved" or "parameter specific", and not a number as its value.

@@ -161,6 +161,50 @@ TEST(GroupSignals, WhatIsNotGivenIsNotAvailable) {
   EXPECT_EQ(message.data, (std::vector<std::uint8_t>{0xF0, 0xFF, 0xFF, 0x80, 0x25, 0xFF, 0xFF, 0xFF}));
 }
 
+TEST(GroupSignals, WhatIsNoValueIsGivenInWordsAlone) {
+  const auto bytes = [](const std::string& name, const std::vector<std::string>& settings) {
+    return encode_group(database(), name, settings).data;
+  };
+  EXPECT_EQ(bytes("EEC1", {"EngineSpeed=error", "ActualTorque=error", "TorqueMode=not available"}),
+            (std::vector<std::uint8_t>{0xFF, 0xFF, 0xFE, 0xFF, 0xFE, 0xFF, 0xFF, 0xFF}));
+  EXPECT_EQ(bytes("ET1", {"Coolant=not available"}), std::vector<std::uint8_t>(8, 0xFF));
+
+  const dbc::File file = dbc::read_database(
+      "BO_ 2566844158 Free: 8 X\n SG_ Speed : 0|16@1+ (0.125,0) [0|0] \"rpm\" X\n"
+      " SG_ Switch : 16|2@1+ (1,0) [0|0] \"\" X\n SG_ Own : 24|8@1+ (1,0) [0|0] \"\" X\n"
+      " SG_ Which M : 32|8@1+ (1,0) [0|0] \"\" X\n SG_ Angle : 40|8@1- (1,0) [0|0] \"\" X\n"
+      "VAL_ 2566844158 Own 254 \"torn\" 255 \"error\" ;\n");
+  const auto said = [&file](const std::string& setting) -> std::string {
+    try {
+      (void)encode_group(file.database, "Free", std::vector<std::string>{setting});
+    } catch (const UsageError& error) {
+      return error.what();
+    }
+    return "taken";
+  };
+  EXPECT_EQ(
+      said("Speed=8160"),
+      "--set Speed: found '8160', whose bits 0xFF00 say 'not available' (SAE J1939-71); allowed: a value, or what the "
+      "bits say in words, 'not available' or 'error'; DATA takes any bytes");
+  for (const char* setting :
+       {"Speed=8031.875", "Switch=1", "Own=254", "Own=torn", "Own=error", "Which=255", "Angle=-1"})
+    EXPECT_EQ(said(setting), "taken") << setting;
+  for (const char* setting : {"Speed=8032", "Switch=2", "Switch=3", "Own=251", "Own=253"})
+    EXPECT_NE(said(setting), "taken") << setting;
+  EXPECT_EQ(encode_group(file.database, "Free", std::vector<std::string>{"Own=error"}).data[3], 0xFF)
+      << "the file's word comes first";
+  EXPECT_EQ(said("Angle=error"), "--set Angle: found 'error'; allowed: -128..127");
+}
+
+TEST(GroupSignals, AMessageIsForWhomTheFileSays) {
+  const dbc::File file = dbc::read_database(
+      "BO_ 2565804065 ToPump: 8 X\n SG_ Speed : 0|8@1+ (1,0) [0|0] \"\" X\n"
+      "BO_ 2565865249 ToAll: 8 X\n SG_ Speed : 0|8@1+ (1,0) [0|0] \"\" X\n");
+  const std::vector<std::string> setting{"Speed=1"};
+  EXPECT_EQ(encode_group(file.database, "ToPump", setting).destination, 0x10);
+  EXPECT_EQ(encode_group(file.database, "ToAll", setting).destination, 255);
+}
+
 TEST(GroupSignals, AChosenSignalBringsItsChoice) {
   const auto message = encode_group(database(), "Choice", std::vector<std::string>{"Second=-2"});
   EXPECT_EQ(message.data, (std::vector<std::uint8_t>{2, 0xFE, 0xFF}));
@@ -171,18 +215,20 @@ TEST(GroupSignals, WhatIsWrongIsToldWithWhatThereIs) {
   EXPECT_EQ(wrong("EEC1", {"Speed=1"}),
             "--set: found 'Speed'; allowed: TorqueMode, ActualTorque, EngineSpeed");
   EXPECT_EQ(wrong("EEC1", {"EngineSpeed"}), "--set: found 'EngineSpeed'; allowed: NAME=VALUE");
-  EXPECT_EQ(wrong("EEC1", {"EngineSpeed=9000"}), "--set EngineSpeed: found '9000'; allowed: 0..8031.875 rpm");
+  EXPECT_EQ(wrong("EEC1", {"EngineSpeed=9000"}),
+            "--set EngineSpeed: found '9000'; allowed: 0..8031.875 rpm, 'not available', 'error'");
   EXPECT_EQ(
       wrong("EEC1", {"EngineSpeed=8032"}),
-      "--set EngineSpeed: found '8032'; allowed: 0..8031.875 rpm; these are the limits in the file: where they are "
+      "--set EngineSpeed: found '8032'; allowed: 0..8031.875 rpm, 'not available', 'error'; these are the limits in the file: where they are "
       "wrong, correct them there");
   EXPECT_EQ(wrong("EEC1", {"EngineSpeed=8031.875"}), "taken") << "the highest value of the file";
   EXPECT_EQ(wrong("EEC1", {"TorqueMode=unknown"}), "taken");
-  EXPECT_EQ(wrong("Choice", {"First=251"}),
-            "--set First: found '251'; allowed: 0..250; these are the limits in the "
-            "file: where they are wrong, correct them there");
+  EXPECT_EQ(
+      wrong("Choice", {"First=251"}),
+      "--set First: found '251'; allowed: 0..250, 'not available', 'error'; these are the limits in the "
+      "file: where they are wrong, correct them there");
   EXPECT_EQ(wrong("EEC1", {"TorqueMode=fast"}),
-            "--set TorqueMode: found 'fast'; allowed: 0..15, 'idle', 'unknown'");
+            "--set TorqueMode: found 'fast'; allowed: 0..15, 'idle', 'unknown', 'not available'");
   EXPECT_EQ(wrong("EEC1", {"EngineSpeed=1", "EngineSpeed=2"}), "--set EngineSpeed: it is given twice");
   EXPECT_EQ(wrong("Narrow", {"One=1"}),
             "PGN: message 'Narrow' has an identifier of 11 bits; allowed: one of 29");

@@ -12,6 +12,7 @@
 #include "cli/base/session.h"
 #include "dbc/by_name.h"
 #include "dbc/encode.h"
+#include "j1939/client/groups.h"
 #include "j1939/identifier.h"
 #include "text/counts.h"
 
@@ -26,6 +27,24 @@ T found(std::variant<T, std::string> what, std::string_view place) {
   return std::get<T>(what);
 }
 
+/// The bits of a setting. Throws UsageError.
+std::uint64_t bits_in(const dbc::Signal& of_file, std::string_view value) {
+  const dbc::Signal signal = j1939::client::with_states(of_file);
+  const std::uint64_t bits = found(dbc::bits_of(signal, value), "--set " + signal.name);
+  const bool by_word = std::any_of(signal.words.begin(), signal.words.end(),
+                                   [&](const auto& word) { return word.second == value; });
+  const bool in_file = std::any_of(of_file.words.begin(), of_file.words.end(), [&](const auto& word) {
+    return static_cast<std::uint64_t>(word.first) == bits;
+  });
+  if (signal.chooses || by_word || in_file) return bits;
+  const std::string_view state = j1939::client::state_of(signal, bits);
+  if (state.empty()) return bits;
+  throw UsageError(fmt::format(
+      "--set {}: found '{}', whose bits 0x{:X} say '{}' (SAE J1939-71); allowed: a value, or what the bits "
+      "say in words, 'not available' or 'error'; DATA takes any bytes",
+      signal.name, value, bits, state));
+}
+
 }  // namespace
 
 j1939::client::Message encode_group(const dbc::Database& database, const std::string& name,
@@ -37,6 +56,8 @@ j1939::client::Message encode_group(const dbc::Database& database, const std::st
   j1939::client::Message out;
   out.pgn = j1939::pgn_of(parts);
   out.priority = parts.priority;
+  const j1939::Address destination = j1939::destination_of(parts);
+  if (destination < j1939::kNullAddress) out.destination = destination;
   constexpr std::uint8_t kNotAvailable = 0xFF;
   out.data.assign(message.length, kNotAvailable);
   std::vector<const dbc::Signal*> given;
@@ -50,8 +71,7 @@ j1939::client::Message encode_group(const dbc::Database& database, const std::st
       throw UsageError(fmt::format("--set {}: it is given twice", signal.name));
     given.push_back(&signal);
     dbc::choose(message, signal, out.data);
-    const std::uint64_t bits =
-        found(dbc::bits_of(signal, std::string_view(setting).substr(at + 1)), "--set " + signal.name);
+    const std::uint64_t bits = bits_in(signal, std::string_view(setting).substr(at + 1));
     if (!dbc::write_bits(signal, bits, out.data))
       throw UsageError(fmt::format("--set {}: it ends behind the {} that the file gives '{}'", signal.name,
                                    text::counted(message.length, "byte"), name));

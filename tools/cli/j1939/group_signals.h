@@ -12,8 +12,8 @@
 namespace cansync::cli {
 
 /// A message of the file by name, with signals "NAME=VALUE", a number in the signal's unit or the name of a
-/// value; all bits that no signal gives are 1, "not available". Of a group for one destination that is all.
-/// Throws UsageError.
+/// value, or "not available" or "error" (SAE J1939-71), which no number says; all bits that no signal gives are 1, "not
+/// available". It is for whom the file says, or for all. Throws UsageError.
 j1939::client::Message encode_group(const dbc::Database& database, const std::string& name,
                                     std::span<const std::string> settings);
 

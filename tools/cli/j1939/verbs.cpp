@@ -67,6 +67,12 @@ j1939::client::Message parse_message(const MessageTexts& texts, Output& output) 
     if (texts.dbc.empty() || !texts.data.empty() || !texts.file.empty())
       throw UsageError("--set: it needs --dbc and the name of a message, and neither DATA nor --file");
     message = encode_group(load_signals(texts.dbc, output), texts.pgn, texts.settings);
+    // The file may be of another machine, where that address is another node.
+    if (message.destination != j1939::kGlobalAddress && texts.to.empty())
+      throw UsageError(fmt::format(
+          "--to: missing; by the file, message '{}' is for address {}: allowed is --to {}, another "
+          "address, or all",
+          texts.pgn, message.destination, message.destination));
     return with_choice(std::move(message), texts);
   }
   if (!texts.dbc.empty()) throw UsageError("--dbc: it needs --set NAME=VALUE");
