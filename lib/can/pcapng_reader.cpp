@@ -96,17 +96,28 @@ std::optional<PcapngError> PcapngReader::failed(std::string_view what, bool fata
 }
 
 std::optional<PcapngReader::Item> PcapngReader::next() {
-  while (!stopped_ && unfinished() >= kBlockFrame) {
+  while (!stopped_ && waiting() >= (long_block_ != 0 ? 1 : kBlockFrame)) {
+    if (long_block_ != 0) {
+      if (auto wrong = pass_over()) return *wrong;
+      if (long_block_ != 0) break;
+      continue;
+    }
     const std::string_view rest = std::string_view(buffer_).substr(at_);
     // Reads the same in both byte orders; the next field says which one holds from here on.
     const bool section = is_pcapng(rest);
     if (section) big_endian_ = rest.substr(8, 4) == "\x1A\x2B\x3C\x4D";
     const std::uint32_t length = get32(rest.substr(4));
-    if (length < kBlockFrame || length % 4 != 0 || length > kLongestBlock) {
+    if (length < kBlockFrame || length % 4 != 0 || length > (section ? kLongestBlock : kLongestPassedOver)) {
       ++blocks_;
       return failed("length " + std::to_string(length) + "; allowed are 12 to " +
-                        std::to_string(kLongestBlock) + " in steps of 4. This is no pcapng capture",
+                        std::to_string(kLongestPassedOver) + " in steps of 4. This is no pcapng capture",
                     true);
+    }
+    if (length > kLongestBlock) {
+      ++blocks_;
+      long_block_ = length;
+      return failed("length " + std::to_string(length) + ", which is over " + std::to_string(kLongestBlock) +
+                    "; it is left out");
     }
     if (rest.size() < length) break;
     ++blocks_;
@@ -125,6 +136,18 @@ std::optional<PcapngReader::Item> PcapngReader::next() {
   buffer_.erase(0, at_);
   at_ = 0;
   return std::nullopt;
+}
+
+std::optional<PcapngError> PcapngReader::pass_over() {
+  constexpr std::size_t kLength = 4;  // stands behind the content, too
+  const std::size_t part = std::min(waiting(), long_block_ - kLength - passed_);
+  at_ += part;
+  passed_ += part;
+  if (waiting() < kLength) return std::nullopt;
+  const bool same = get32(std::string_view(buffer_).substr(at_)) == long_block_;
+  at_ += kLength;
+  long_block_ = passed_ = 0;
+  return same ? std::nullopt : failed("its two lengths differ", true);
 }
 
 std::optional<PcapngError> PcapngReader::take_section(std::string_view content) {

@@ -26,11 +26,13 @@ struct PcapngError {
 
 /// Takes the bytes of a capture in any pieces and gives its CAN frames. Both byte orders, several sections,
 /// every time stamp resolution; blocks other than section header, interface description and packets (enhanced,
-/// simple and the obsolete form) are passed over. A simple packet has no time stamp and gets the one before. Holds no more than one block, `kLongestBlock` bytes, and the interfaces of the section,
-/// at most `kMostInterfaces`.
+/// simple and the obsolete form) are passed over, and so are blocks over `kLongestBlock`, which are told. A simple packet has
+/// no time stamp and gets the one before. Holds no more than one block, `kLongestBlock` bytes, and the interfaces of the
+/// section, at most `kMostInterfaces`.
 class PcapngReader {
  public:
   static constexpr std::uint32_t kLongestBlock = 1u << 20;
+  static constexpr std::uint32_t kLongestPassedOver = 1u << 28;
   static constexpr std::size_t kMostInterfaces = 1024;
 
   using Item = std::variant<CandumpLine, PcapngError>;
@@ -40,9 +42,13 @@ class PcapngReader {
   /// The next frame or problem; nothing: feed more. After a fatal problem always nothing.
   std::optional<Item> next();
   /// Bytes that were fed and belong to a block that is not complete; at the end of the file 0 is right.
-  std::size_t unfinished() const noexcept { return buffer_.size() - at_; }
+  std::size_t unfinished() const noexcept { return waiting() + passed_; }
 
  private:
+  /// Bytes that were fed and not looked at.
+  std::size_t waiting() const noexcept { return buffer_.size() - at_; }
+  /// Passes over what has come of a long block; what it returns, if its end is wrong.
+  std::optional<PcapngError> pass_over();
   struct Interface {
     std::string name;
     bool can = false;                 ///< of the link type this reader knows
@@ -64,6 +70,8 @@ class PcapngReader {
 
   std::string buffer_;
   std::size_t at_ = 0;
+  std::size_t long_block_ = 0;  ///< length of the one that is being passed over; 0: none is
+  std::size_t passed_ = 0;      ///< bytes of it
   bool big_endian_ = false;
   bool stopped_ = false;
   std::uint64_t blocks_ = 0;

@@ -163,7 +163,7 @@ TEST(PcapngReader, NamesWhatItCannotRead) {
   EXPECT_EQ(first("06000000 20000000 00000000 00000000 00000000 00000000 00000000 20000000"),
             "block 2: a packet of interface 0, which is not described");
   EXPECT_EQ(first("06000000 03000000 00000000"),
-            "block 2: length 3; allowed are 12 to 1048576 in steps of 4. This is no pcapng capture");
+            "block 2: length 3; allowed are 12 to 268435456 in steps of 4. This is no pcapng capture");
   EXPECT_EQ(first("05000000 10000000 00000000 14000000"), "block 2: its two lengths differ");
 }
 
@@ -205,6 +205,29 @@ TEST(PcapngReader, TheSizeOfAPacketTellsClassicFramesFromCanFd) {
   EXPECT_EQ(wrong("00000321 80 03 0300 CDAB0000 0A0B0C", 15),
             "block 3: a CAN XL frame, which is no CAN 2.0 frame");
   EXPECT_EQ(wrong("00000123 09 00 0000 0001020304050607", 16), "block 3: a packet that is no CAN 2.0 frame");
+}
+
+TEST(PcapngReader, ABlockThatIsTooLongIsToldAndLeftOut) {
+  const std::string begin = bytes("04000000 08001000");  // name resolution of 1 MiB and 8 bytes
+  const std::string block = begin + std::string((1u << 20) - 4, 'x') + bytes("08001000");
+  const std::string packet = enhanced("00000301 02 00 0000 ABCD 1122 33445566", 16);
+  const std::string head = bytes(kSection) + bytes(kInterface);
+  for (const std::size_t step : {std::size_t{4093}, std::size_t{1} << 22}) {
+    std::size_t left = 0;
+    const auto items = read_all(head + block + packet, step, left);
+    ASSERT_EQ(items.size(), 2u) << step;
+    EXPECT_EQ(std::get<PcapngError>(items[0]).message,
+              "block 3: length 1048584, which is over 1048576; it is left out");
+    EXPECT_FALSE(std::get<PcapngError>(items[0]).fatal);
+    EXPECT_EQ(std::get<CandumpLine>(items[1]).frame, data_frame(0x301, {0xAB, 0xCD}));
+    EXPECT_EQ(left, 0u);
+  }
+  std::size_t left = 0;
+  EXPECT_EQ(read_all(head + block.substr(0, 2000), 4096, left).size(), 1u);
+  EXPECT_EQ(left, 2000u) << "it is cut off";
+  const auto wrong = read_all(head + begin + std::string(1u << 20, 'x') + packet, 1u << 22, left);
+  ASSERT_EQ(wrong.size(), 2u);
+  EXPECT_EQ(std::get<PcapngError>(wrong[1]).message, "block 3: its two lengths differ");
 }
 
 // The blocks of sections 4.4 and appendix A of the draft.
