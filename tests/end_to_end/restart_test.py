@@ -156,8 +156,10 @@ class Restart(unittest.TestCase):
         self.assertEqual(self.gateway.status()["slaves_configured"], 0b1111)
 
         self.assertEqual(self.gateway.run("mode", "stop").returncode, 0)
+        waiting = self.follow("wait", "synchronized")  # all that are configured when it looks
         self.gateway.process.send_signal(signal.SIGHUP)
         self.gateway.wait_status("the line is another", lambda s: s["bit_rate"] == 500000)
+        self.assertIsNone(waiting.process.poll(), waiting.said())
         # Who stopped it may have hands in the machine.
         self.assertEqual(self.gateway.status()["state"], "stop")
         self.assertEqual(self.gateway.run("mode", "setup").returncode, 0)
@@ -166,6 +168,8 @@ class Restart(unittest.TestCase):
         self.gateway.wait_status("it is in active operation", lambda s: s["option_status"] == 0x80)
         self.assertIsNone(self.gateway.process.poll(), "the same process")
         wait_for("who follows hears on", lambda: "changed: bus.bit_rate, slave.2.number, slave.9.number" in events.wrote())
+        wait_for("those are waited for that are configured now", lambda: waiting.process.poll() is not None)
+        self.assertEqual(waiting.process.returncode, 0, waiting.said())
         self.assertEqual(self.gateway.run("read", "9", "301").returncode, 0)
         gone = self.gateway.run("read", "2", "301")
         self.assertEqual(gone.returncode, 3, gone.stderr)

@@ -1,18 +1,25 @@
 // `can dump FILE` and `messages FILE`: recordings without a daemon, in the forms that live frames have.
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <stdlib.h>
+#include <sys/stat.h>
 #include <time.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <memory>
+#include <sstream>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "cli/app/application.h"
+#include "cli/trace/trace_source.h"
+#include "system/descriptor.h"
 
 namespace cansync::cli {
 namespace {
@@ -132,6 +139,25 @@ TEST_F(RecordingVerb, OfALogThatHasEachFrameTwiceEachIsTakenOnce) {
   const Outcome sent_twice = dump({"--candump"});
   EXPECT_EQ(std::count(sent_twice.data.begin(), sent_twice.data.end(), '\n'), 20);
   EXPECT_EQ(sent_twice.remarks, "");
+}
+
+TEST_F(RecordingVerb, WhatComesThroughAPipeIsGivenAsItComes) {
+  ASSERT_EQ(::mkfifo(log_.c_str(), 0600), 0);
+  const sys::Descriptor pipe(::open(log_.c_str(), O_RDWR | O_CLOEXEC));
+  ASSERT_TRUE(pipe.is_open());
+  const auto source = open_log(log_);
+  const auto next = [&source] {
+    TraceItem item = source->next();
+    for (int i = 0; i < 200 && std::holds_alternative<TraceNothing>(item); ++i) item = source->next();
+    return item;
+  };
+  // Far fewer than are looked at in a file before the first is given.
+  std::istringstream log(twice_log(std::chrono::microseconds(90)));
+  for (std::string line; std::getline(log, line);) {
+    line += '\n';
+    ASSERT_EQ(::write(pipe.number(), line.data(), line.size()), static_cast<ssize_t>(line.size()));
+    ASSERT_TRUE(std::holds_alternative<can::CandumpLine>(next())) << line;
+  }
 }
 
 TEST_F(RecordingVerb, StampsThatAreNoTimeOfTheBusTellNothingOfEachFrameTwice) {
