@@ -291,6 +291,9 @@ TEST(AddressClaim, WhoSendsWithItsAddressIsAnsweredByTheClaimAtMostEvery5S) {
   (void)rig.run(std::chrono::seconds(5));
   EXPECT_EQ(rig.hear(frame(0x18FEF180, {1})), std::vector{own_claim(kOwn)});
   EXPECT_EQ(rig.node.claim().intruders(), 3u);
+  (void)rig.run(std::chrono::seconds(5));
+  EXPECT_TRUE(rig.hear(frame(0x18FEF121, {1})).empty()) << "it has an address of its own now";
+  EXPECT_EQ(rig.node.claim().intruders(), 3u);
 }
 
 TEST(AddressClaim, AfterTheControllerWasEmptiedItClaimsTheSameAddressAnew) {

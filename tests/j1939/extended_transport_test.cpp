@@ -215,6 +215,20 @@ TEST_F(ExtendedTransport, WhatCannotBeSentIsRefused) {
   EXPECT_EQ(send(2, kGlobalAddress, longer), Refusal::too_long_for_all) << "it knows no broadcast";
   EXPECT_EQ(send(3, kOther, longer), Refusal::none);
   EXPECT_TRUE(rig.node.cancel(3));
+
+  NodeSettings more = settings();
+  more.most_bytes = 4001;
+  NodeRig other(more);
+  other.claimed();
+  longer.resize(4001);
+  EXPECT_EQ(other.node.submit({.id = 1,
+                               .number = 0xEF00,
+                               .priority = 7,
+                               .destination = kOther,
+                               .timeout = seconds(60),
+                               .memory = longer},
+                              other.now),
+            Refusal::none);
 }
 
 /// Two nodes against each other, each frame of the one heard by the other; 64 KiB need numbers of two bytes.

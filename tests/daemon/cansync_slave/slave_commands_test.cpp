@@ -201,23 +201,45 @@ TEST(SlaveCommandsTest, TheSlaveOfAClusterTakesNoOther) {
   EXPECT_FALSE(core.commands.take());
 }
 
-/// A bus whose controller takes its time to be reset.
-class SlowReset final : public can::Bus {
+/// A bus whose controller is reset with this result; at first it takes its time.
+class ResetBus final : public can::Bus {
  public:
   can::Time now() noexcept override { return can::Time{0}; }
   can::Wake wait_until(can::Time) noexcept override { return can::Wake::deadline; }
   bool receive(can::ReceivedFrame&) noexcept override { return false; }
   can::SendResult send(const can::Frame&) noexcept override { return can::SendResult::queued; }
   can::ControllerStatus status() noexcept override { return {}; }
-  can::ResetResult reset() noexcept override { return can::ResetResult::pending; }
-  can::ResetResult reset_result() noexcept override { return can::ResetResult::pending; }
+  can::ResetResult reset() noexcept override { return result; }
+  can::ResetResult reset_result() noexcept override { return result; }
   can::TimestampSource timestamp_source() noexcept override { return can::TimestampSource::thread; }
+
+  can::ResetResult result = can::ResetResult::pending;
 };
+
+TEST(SlaveCommandsTest, AControllerThatCannotBeResetIsResetWhenItsInterfaceIsUp) {
+  SlaveRig rig;
+  ResetBus bus;
+  SlaveDesk desk({}, 301, 0, rig.exchange);
+  cansync::Slave slave({}, desk.application());
+  SlaveCommands commands(slave, bus, rig.exchange, SlaveTarget::active, false);
+  commands.set_up();
+  const auto ask = [&](std::uint64_t id) {
+    EXPECT_TRUE(rig.exchange.commands.try_push(SlaveModeOrder{id, SlaveMode::reset_can}));
+    return commands.take();
+  };
+  bus.result = can::ResetResult::unavailable;
+  const auto refused = ask(7);
+  bus.result = can::ResetResult::done;
+  const auto done = ask(8);
+  ASSERT_TRUE(refused && done);
+  EXPECT_EQ(refused->refusal, SlaveRefusal::no_controller);
+  EXPECT_EQ(done->refusal, SlaveRefusal::none);
+}
 
 // An order that is stopped says what is known of it: a reset that was begun may be done, those behind it are not.
 TEST(SlaveCommandsTest, WhatIsStoppedBeforeItsEndSaysWhatIsKnownOfIt) {
   SlaveRig rig;
-  SlowReset bus;
+  ResetBus bus;
   SlaveDesk desk({}, 301, 0, rig.exchange);
   cansync::Slave slave({}, desk.application());
   SlaveCommands commands(slave, bus, rig.exchange, SlaveTarget::active, false);

@@ -1,6 +1,8 @@
 // What the slave's realtime machine does about edges and reference values that stay away, in virtual time.
 #include <gtest/gtest.h>
 
+#include "can/flagged_frames.h"
+#include "cansync/telegram/telegram.h"
 #include "daemon/cansync_slave/realtime/slave_machine.h"
 #include "slave_rig.h"
 
@@ -30,6 +32,23 @@ TEST(SlaveMachineTest, EdgesMissingForLongerThanTheHoldOverEndSynchronism) {
   ASSERT_EQ(changes.size(), 2u);
   EXPECT_TRUE(changes[0].synchronized);
   EXPECT_FALSE(changes[1].synchronized);
+}
+
+TEST(SlaveMachineTest, AnotherSlaveOfItsNumberIsToldOnceAndNoMoreWhenItHasItsOwn) {
+  SlaveRig rig;
+  const auto other = [&rig](std::uint64_t interval, std::uint32_t number) {
+    rig.at(interval * rig.times.interval, [&rig, number] {
+      rig.bus->give(can::test::data_frame(cansync::identifier::actual_one + number, {1, 2, 3, 4}));
+    });
+  };
+  other(1500, kNumber);
+  other(1510, kNumber);
+  other(1520, kNumber + 1);
+  rig.run_until(1600 * rig.times.interval);
+  const auto told = rig.told<OwnNumberReport>();
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(told[0].identifier, cansync::identifier::actual_one + kNumber);
+  EXPECT_EQ(rig.snapshot.own_number_frames, 2u);
 }
 
 TEST(SlaveMachineTest, MissingReferenceValuesAreAFaultUntilTheyComeAgain) {

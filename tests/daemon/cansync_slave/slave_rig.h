@@ -47,6 +47,14 @@ class WatchedBus : public test::TimedBus {
  public:
   using TimedBus::TimedBus;
 
+  /// Another node's frame; it is taken before the next one that comes.
+  void give(const can::Frame& frame) {
+    can::ReceivedFrame received;
+    received.frame = frame;
+    received.end = behind_.now();
+    kept_.push_back(received);
+  }
+
   can::Time late{};  ///< the thread stands still for so long after each wake-up by a frame
 
   bool receive(can::ReceivedFrame& out) noexcept override {

@@ -299,6 +299,23 @@ TEST(Admission, WhoIsStillLeavingAndOneClientTooManyAreToldApart) {
   EXPECT_TRUE(full.forget);
 }
 
+TEST(Admission, OneClientTooManyIsTakenWhenAnotherHasEnded) {
+  JobBook book({});
+  const auto identity = [](std::size_t number) {
+    return ClientIdentity{1, static_cast<std::uint8_t>(number / 256),
+                          static_cast<std::uint8_t>(number % 256)};
+  };
+  const auto enter = [&](std::size_t number) {
+    return book.admit({identity(number), 1}, book.clients().enter(identity(number), Place{}, "tester"), 0, 0,
+                      {});
+  };
+  for (std::size_t number = 0; number < ClientTable::kClients; ++number)
+    ASSERT_NE(enter(number).client, nullptr) << number;
+  EXPECT_EQ(enter(ClientTable::kClients).denial.cause, gateway_CAUSE_SHARED_LIMIT);
+  book.clients().erase(identity(0));
+  EXPECT_NE(enter(ClientTable::kClients).client, nullptr);
+}
+
 TEST(Stale, OldAndFutureRequestsAreToldFromOthers) {
   constexpr std::int64_t kNow = 1'700'000'000'000'000'000;
   constexpr std::chrono::milliseconds kLimit{5000};

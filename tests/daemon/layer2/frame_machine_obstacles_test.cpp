@@ -106,6 +106,22 @@ TEST(FrameMachine, L22L24FramesThatTheControllerLostAreForgottenWithTheOverflowB
   }
 }
 
+TEST(FrameMachine, AControllerThatCannotBeResetIsResetWhenItsInterfaceIsUp) {
+  Rig rig;
+  const auto reset_at = [&rig](milliseconds when, layer2::OrderId id, bool is_up) {
+    rig.bus.script.emplace(when, [&rig, id, is_up] {
+      rig.bus.can_be_reset = is_up;
+      EXPECT_TRUE(rig.exchange.requests.try_push(
+          layer2::ControlOrder{.id = id, .what = layer2::Control::reset_controller}));
+    });
+  };
+  reset_at(milliseconds(10), 1, false);
+  reset_at(milliseconds(20), 2, true);
+  rig.run_until(milliseconds(50));
+  EXPECT_EQ(rig.answer_to(1).refusal, layer2::Refusal::no_controller);
+  EXPECT_EQ(rig.answer_to(2).refusal, layer2::Refusal::none);
+}
+
 TEST(FrameMachine, WhatKeepsTheControllerFromSendingIsTheReasonOfATimeoutBehindIt) {
   std::vector<std::pair<can::ControllerStatus, layer2::Obstacle>> cases(4);
   cases[0].second = layer2::Obstacle::none;  // earlier frames

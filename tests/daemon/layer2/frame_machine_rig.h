@@ -47,6 +47,7 @@ class ScriptedBus final : public test::TimedBus {
   can::SendResult refusal = can::SendResult::queued;  ///< what `send` says instead of sending
   can::ControllerStatus status_on_top;                ///< what of the status is not the line's
   bool lose_echoes = false;                           ///< none comes
+  bool can_be_reset = true;                           ///< false: as an interface that is down
 
   bool receive(can::ReceivedFrame& out) noexcept override {
     while (behind_.receive(out)) {
@@ -56,6 +57,9 @@ class ScriptedBus final : public test::TimedBus {
   }
   can::SendResult send(const can::Frame& frame) noexcept override {
     return refusal == can::SendResult::queued ? behind_.send(frame) : refusal;
+  }
+  can::ResetResult reset() noexcept override {
+    return can_be_reset ? TimedBus::reset() : can::ResetResult::unavailable;
   }
   can::ControllerStatus status() noexcept override {
     can::ControllerStatus status = behind_.status();

@@ -1,7 +1,10 @@
 // The configuration changed over real DDS while the daemon runs.
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <map>
 #include <string>
+#include <vector>
 
 #include "daemon/layer2/layer2_bus.h"
 
@@ -61,6 +64,45 @@ TEST_F(Layer2Configure, WhatIsWrongIsRefusedWithItsPlaceAndNothingChanges) {
   expect_refused("[window]\nused = true\nbegin_us = 10\nend_us = 10\n", "data:4:");
   expect_refused("[script]\nrun = [\"Fly 1\"]\n", "data:2:");
   EXPECT_TRUE(client_->timers(milliseconds(100)).empty());
+  EXPECT_EQ(
+      client_
+          ->configure("[[timer]]\nnumber = 5\nidentifier = 0x70\n[[timer]]\nnumber = 6\nidentifier = 0x7FF\n")
+          .code,
+      gateway_REPLY_DONE)
+      << "corrected";
+}
+
+TEST_F(Layer2Configure, OneIsTakenOverAtATimeAndTheOtherAfterIt) {
+  std::map<std::uint64_t, SendResult> ended;
+  const auto begin = [&](const std::string& toml) {
+    layer2_ControlRequest request = {};
+    request.kind = layer2_CONTROL_CONFIGURE;
+    std::vector<std::uint8_t> bytes(toml.begin(), toml.end());
+    request.data._buffer = bytes.data();
+    request.data._length = request.data._maximum = static_cast<std::uint32_t>(bytes.size());
+    return client_->begin_control(request).request;
+  };
+  const auto both = [&](std::uint64_t first, std::uint64_t second) {
+    return comes_true([&] {
+      client_->look(
+          {.ended = [&](std::uint64_t request, const SendResult& result) { ended[request] = result; }});
+      return ended.contains(first) && ended.contains(second);
+    });
+  };
+  bool refused = false;
+  for (int tries = 0; tries < 1000 && !refused; ++tries) {  // the daemon may have ended the first by then
+    const auto first = begin("[send]\nqueue = 5\n");
+    const auto second = begin("[send]\nqueue = 6\n");
+    ASSERT_TRUE(both(first, second));
+    EXPECT_EQ(ended[first].code, gateway_REPLY_DONE);
+    refused = ended[second].code == gateway_REPLY_REFUSED;
+    if (refused) {
+      EXPECT_EQ(ended[second].cause, gateway_CAUSE_QUEUE_FULL);
+      EXPECT_EQ(ended[second].reason, "another configuration is being taken over; try again");
+    }
+  }
+  EXPECT_TRUE(refused);
+  EXPECT_EQ(client_->configure("[send]\nqueue = 6\n").code, gateway_REPLY_DONE);
 }
 
 }  // namespace

@@ -147,6 +147,30 @@ TEST_F(Gate, AWriterThatIsNoStrongerWaitsUntilTheOwnerIsLost) {
   }
 }
 
+TEST_F(Gate, ValuesThatFindNoRoomAreRefusedAndThoseAfterThemTaken) {
+  take(values(kStrong, 22, 1000));
+  EXPECT_EQ(on_bus(2), (Seen{22, 22}));
+  full = true;
+  take(values(kStrong, 23, 1000));
+  EXPECT_NE(text("reference_refused").find("request queue full"), std::string::npos);
+  EXPECT_EQ(on_bus(2), (Seen{22, 22}));
+  full = false;
+  take(values(kStrong, 24, 1000));
+  EXPECT_EQ(on_bus(2), (Seen{24, 24}));
+}
+
+TEST_F(Gate, ValuesWaitForTheStopThatFindsNoRoom) {
+  take(values(kStrong, 22, 1000));
+  EXPECT_EQ(on_bus(2), (Seen{22, 22}));
+  full = true;
+  take(last_of(kStrong));
+  take(values(kWeak, 11, 1000));
+  EXPECT_NE(text("reference_refused").find("the stop of its release waits for room"), std::string::npos);
+  full = false;
+  take(values(kWeak, 12));
+  EXPECT_EQ(on_bus(3), (Seen{12})) << "the stop came before them";
+}
+
 struct Spoiled {
   const char* name;
   std::function<void(GateRig&, ReferenceSample&)> spoil;
