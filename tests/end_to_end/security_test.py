@@ -11,7 +11,7 @@ import tempfile
 import unittest
 
 sys.path.insert(0, os.path.dirname(__file__))
-from gateway import LONG, Gateway, Place, identities  # noqa: E402
+from gateway import CANSYNCD, LONG, Gateway, Place, identities  # noqa: E402
 
 SCRIPT = os.path.join(os.path.dirname(__file__), "..", "..", "tools", "security", "cansync-security")
 NOT_REACHABLE = 6
@@ -187,6 +187,31 @@ class Security(unittest.TestCase):
         self.assertEqual(len(done), 1)
         listed = {line.split()[0]: line.split() for line in security("list", self.ca).stdout.splitlines()[1:]}
         self.assertEqual(done[0]["participant"][:12], listed["operator"][3])
+
+
+class Identity(unittest.TestCase):
+    """A daemon whose identity ends soon."""
+
+    def test_a_renewed_one_counts_from_the_restart_on(self):
+        ca = identities(self.enterContext(tempfile.TemporaryDirectory(prefix="cansync_security_")))
+        made("renew", ca, "daemon", "--days", "20")
+        gateway = self.enterContext(SecuredGateway(ca))
+
+        def found():
+            lines = gateway.run("doctor", "--json").stdout.splitlines()
+            return next(one for one in map(json.loads, lines) if one["topic"] == "identity")
+
+        before = found()
+        self.assertEqual(before["level"], "warning", before)
+        self.assertIn("cansync-security renew", before["remedy"])
+        made("renew", ca, "daemon")
+        self.assertEqual(found()["level"], "warning", "what runs has the old one")
+        gateway.process.terminate()
+        gateway.process.wait(LONG)
+        with open(gateway.log, "ab") as log:
+            gateway.process = subprocess.Popen([CANSYNCD, gateway.config], stdout=log, stderr=log)
+        gateway.wait_active()
+        self.assertEqual(found()["level"], "ok")
 
 
 class Files(unittest.TestCase):

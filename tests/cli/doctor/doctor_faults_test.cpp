@@ -20,6 +20,20 @@ struct Fault {
   const char* remedy;  ///< part of the command
 };
 
+TEST(ReferenceLimits, AreAskedForUntilEachValueHasSome) {
+  DoctorInput in = healthy();
+  in.status->master->references_unlimited = 0b101;
+  put(in.status->master->reference_value[2].name, "draw");
+  const auto findings = diagnose(in);
+  const Finding* found = find(findings, "limits");
+  ASSERT_NE(found, nullptr);
+  EXPECT_EQ(found->level, Level::warning);
+  EXPECT_EQ(found->found,
+            "no minimum, maximum or max_step for reference values 0, 2 'draw': drives get any value");
+  in.status->master->references_unlimited = 0;
+  EXPECT_EQ(find(diagnose(in), "limits"), nullptr);
+}
+
 class OneFault : public testing::TestWithParam<Fault> {};
 
 TEST_P(OneFault, IsFoundAloneWithItsRemedy) {

@@ -71,6 +71,11 @@ TEST(IdentityWatch, OfRenewedFilesTheRestartIsWhatIsMissing) {
   EXPECT_NE(event->text.find("the files on disk are valid until 2035-03-19 00:00 UTC: restart the daemon"),
             std::string::npos)
       << event->text;
+  const auto ended = watch.look(kEnd + days{1}, ending(kEnd + days{3000}));
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(ended->code, "identity_ended");
+  IdentityWatch restarted(ending(kEnd + days{3000}));
+  EXPECT_FALSE(restarted.look(kEnd + days{1}, ending(kEnd + days{3000})));
 }
 
 TEST(IdentityWatch, AnAuthorityIsNotRenewed) {
