@@ -32,10 +32,11 @@ const cansync::ProcessMapping kBothTelegrams = {cansync::default_mapping(cansync
 
 /// The commands of a slave that is active, without a loop.
 struct CoreRig {
-  CoreRig(SlaveRig& rig, bool of_cluster)
+  CoreRig(SlaveRig& rig, bool of_cluster) : CoreRig(rig, of_cluster, *rig.bus) {}
+  CoreRig(SlaveRig& rig, bool of_cluster, can::Bus& bus)
       : desk({}, 301, 0, rig.exchange),
         slave({}, desk.application()),
-        commands(slave, *rig.bus, rig.exchange, SlaveTarget::active, of_cluster) {
+        commands(slave, bus, rig.exchange, SlaveTarget::active, of_cluster) {
     commands.set_up();
   }
   SlaveDesk desk;
@@ -219,13 +220,10 @@ class ResetBus final : public can::Bus {
 TEST(SlaveCommandsTest, AControllerThatCannotBeResetIsResetWhenItsInterfaceIsUp) {
   SlaveRig rig;
   ResetBus bus;
-  SlaveDesk desk({}, 301, 0, rig.exchange);
-  cansync::Slave slave({}, desk.application());
-  SlaveCommands commands(slave, bus, rig.exchange, SlaveTarget::active, false);
-  commands.set_up();
+  CoreRig core(rig, false, bus);
   const auto ask = [&](std::uint64_t id) {
     EXPECT_TRUE(rig.exchange.commands.try_push(SlaveModeOrder{id, SlaveMode::reset_can}));
-    return commands.take();
+    return core.commands.take();
   };
   bus.result = can::ResetResult::unavailable;
   const auto refused = ask(7);
@@ -240,22 +238,19 @@ TEST(SlaveCommandsTest, AControllerThatCannotBeResetIsResetWhenItsInterfaceIsUp)
 TEST(SlaveCommandsTest, WhatIsStoppedBeforeItsEndSaysWhatIsKnownOfIt) {
   SlaveRig rig;
   ResetBus bus;
-  SlaveDesk desk({}, 301, 0, rig.exchange);
-  cansync::Slave slave({}, desk.application());
-  SlaveCommands commands(slave, bus, rig.exchange, SlaveTarget::active, false);
-  commands.set_up();
+  CoreRig core(rig, false, bus);
   ASSERT_TRUE(rig.exchange.commands.try_push(SlaveModeOrder{7, SlaveMode::reset_can}));
   ASSERT_TRUE(rig.exchange.commands.try_push(SlaveModeOrder{8, SlaveMode::stop}));
-  EXPECT_FALSE(commands.take()) << "the reset is under way, and the other one waits for it";
-  const auto reset = commands.take_stopped();
-  const auto behind = commands.take_stopped();
+  EXPECT_FALSE(core.commands.take()) << "the reset is under way, and the other one waits for it";
+  const auto reset = core.commands.take_stopped();
+  const auto behind = core.commands.take_stopped();
   ASSERT_TRUE(reset && behind);
   EXPECT_EQ(id_of(*reset), 7u);
   EXPECT_EQ(reset->stopped, can::JobKnown::handed_over);
   EXPECT_EQ(id_of(*behind), 8u);
   EXPECT_EQ(behind->stopped, can::JobKnown::not_sent);
-  EXPECT_EQ(slave.state(), State::active_slave) << "nothing of it was done";
-  EXPECT_FALSE(commands.take_stopped());
+  EXPECT_EQ(core.slave.state(), State::active_slave) << "nothing of it was done";
+  EXPECT_FALSE(core.commands.take_stopped());
 }
 
 TEST(SlaveCommandsTest, WhatWaitsWhenTheLoopEndsIsAnsweredAsNotBegun) {
