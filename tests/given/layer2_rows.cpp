@@ -134,6 +134,7 @@ class RunLead final : public Layer2Row {
   /// In run the image is sent that somebody has written.
   std::string on_bus() override {
     write_image(watcher(), 1);
+    let_it_be_seen();  // before what comes next, which may refuse it
     const std::string seen = image();
     return seen == "first" ? "runs" : seen;
   }
