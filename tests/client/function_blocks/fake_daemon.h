@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cansync/function_blocks/module_codes.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -107,7 +108,7 @@ class BlockTest : public ::testing::Test {
       block.call();
     };
     ASSERT_TRUE(repeat_until(call, [&] { return block.error().find("started anew") != std::string::npos; }));
-    ASSERT_TRUE(repeat_until(call, [&] { return !block.Snd; })) << block.error();
+    ASSERT_TRUE(repeat_until(call, [&] { return block.RETVAL == module_code::done; })) << block.error();
     for (int i = 0; i < 10; ++i) block.call();
   }
 
