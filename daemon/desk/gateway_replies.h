@@ -275,10 +275,10 @@ class ReplyOutbox {
   /// Makes the client's writer. False: there is none to be had, and its replies are dropped.
   bool open(const Identity& identity, Client& client) {
     try {
-      client.writer = std::make_unique<Writer>(
-          participant_,
-          gateway::dds::Partitions{gateway::dds::reply_partition(participant_.options().partition, identity)},
-          &signal_);
+      client.writer = std::make_unique<Writer>(participant_,
+                                               gateway::dds::Partitions{gateway::dds::reply_writer_partition(
+                                                   participant_.options().partition, identity)},
+                                               &signal_);
       return true;
     } catch (const gateway::dds::SetupError&) {
       for (; !client.waiting.empty(); pop(client)) ++dropped_;

@@ -161,7 +161,11 @@ PartitionNames partitions_of(const dds_qos_t* qos) {
 }
 
 bool overlap(const PartitionNames& one, const PartitionNames& other) {
-  const auto fits = [](const std::string& a, const std::string& b) {
+  const auto is_pattern = [](const std::string& name) {
+    return name.find_first_of("*?") != std::string::npos;
+  };
+  const auto fits = [&](const std::string& a, const std::string& b) {
+    if (is_pattern(a) && is_pattern(b)) return false;  // DDS 1.4, 2.2.3.13
     return fnmatch(a.c_str(), b.c_str(), 0) == 0 || fnmatch(b.c_str(), a.c_str(), 0) == 0;
   };
   return std::any_of(one.begin(), one.end(), [&](const std::string& a) {

@@ -35,10 +35,12 @@ class TwoPlaces {
   gateway::dds::ParticipantOptions there;
 };
 
-/// Where replies to every client of a bus are heard, for a program with many identities; that a daemon
-/// answers is seen in the second.
+/// Where replies to the identities of tests are heard, the first byte of which is any and the rest 0.
 inline gateway::dds::Partitions replies_to_all(const gateway::dds::ParticipantOptions& place) {
-  return {gateway::dds::every_reply_partition(place.partition), place.partition + "/all"};
+  gateway::dds::Partitions partitions;
+  for (unsigned n = 0; n < 256; ++n)
+    partitions.push_back(gateway::dds::reply_partition(place.partition, {static_cast<std::uint8_t>(n)}));
+  return partitions;
 }
 
 /// Waits until `condition` holds, asking after each raise of `signal`; false when it does not within 20 s.

@@ -160,6 +160,24 @@ TEST(ReplyOutbox, RepliesReachTheirClientAloneAndAClientThatIsGoneLosesItsWriter
   EXPECT_EQ(other.matched(), 2u);
 }
 
+TEST(ReplyOutbox, AReaderOfTheRepliesOfAllHearsNothingAndHoldsNobodyUp) {
+  Outbox<cansync_CommandReply> outbox;
+  gateway::dds::DataSignal signal;
+  using Reader = gateway::dds::Reader<cansync_CommandReply>;
+  const std::string bus = outbox.places.there.partition;
+  const Reader spy(outbox.there, gateway::dds::Partitions{gateway::dds::every_reply_partition(bus)}, &signal);
+  const Reader everything(outbox.there, gateway::dds::Partitions{"*"}, &signal);
+  Reader asks(outbox.there, own_partition(outbox.places.there, 1), &signal);
+  outbox.send(1);
+  ASSERT_TRUE(outbox.until(signal, [&] { return asks.take([](const cansync_CommandReply&) {}) == 1; }));
+  EXPECT_EQ(spy.matched(), 0u);
+  EXPECT_EQ(everything.matched(), 0u);
+  outbox.send(2);
+  ASSERT_TRUE(outbox.until(
+      signal, [&] { return outbox.box.empty(); }, 3 * ReplyOutbox<cansync_CommandReply>::kMatchTime));
+  EXPECT_EQ(outbox.box.take_dropped(), 1u) << "its own reader is not there";
+}
+
 /// A client that takes nothing while all room is used up; `acknowledged` replies came to it one by one.
 void stand_still(unsigned acknowledged) {
   constexpr std::size_t kBytes = 20000;
