@@ -137,7 +137,7 @@ Refusal Module::control(const ControlOrder& order, Time now) noexcept {
       return order.prepared == nullptr ? Refusal::none : configure(*order.prepared, now);
     case Control::write_image:
       if (settings_.mapped.empty()) return Refusal::no_image;
-      return order.written ? Refusal::none : Refusal::image_owned;
+      return order.written == mapping_.table() ? Refusal::none : Refusal::image_owned;
     case Control::reset_controller:
       break;
   }

@@ -83,10 +83,11 @@ struct ControlOrder {
   TimerSettings timer;
   std::uint16_t address =
       0;  ///< first byte in the image that is sent; address + size at most DataMapping::kBytes
-  std::uint8_t size = 0;                            ///< bytes, 1..kMostBytes
-  PreparedSettings* prepared = nullptr;             ///< of who gives the order, until it is answered
-  bool led = true;                                  ///< `run`: false: who leads run and stop says stop
-  bool written = false;                             ///< they are in the image; false: it has another owner
+  std::uint8_t size = 0;                 ///< bytes, 1..kMostBytes
+  PreparedSettings* prepared = nullptr;  ///< of who gives the order, until it is answered
+  bool led = true;                       ///< `run`: false: who leads run and stop says stop
+  /// Table of the image that has them; nothing: it is not for requests to write.
+  std::optional<std::uint32_t> written = {};
   std::array<std::uint8_t, kMostBytes> bytes = {};  ///< those from `size` on do not count
 };
 

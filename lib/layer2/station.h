@@ -78,7 +78,7 @@ enum class Refusal : std::uint8_t {
   not_led,           ///< run and stop follow a program that is not there or says stop
   no_timer,          ///< there is no such timer, or it was not given what it sends
   no_image,          ///< there is no process image, or not at that address
-  image_owned,       ///< the process image belongs to another program
+  image_owned,       ///< the process image belongs to another program, or is another one by now
   not_permitted,     ///< the controller cannot be reset: a right of the system is missing
   no_controller,     ///< likewise: the interface is missing or down, or its driver cannot
   queue_in_use,      ///< more waits in a queue than there would be room for

@@ -154,10 +154,15 @@ TEST_F(ModuleConfigure, ATimerWithoutAFrameAndAnImageWithoutAMappingAreThereOnce
   other.mapped.clear();
   PreparedSettings without = prepared(other);
   ASSERT_EQ(configure(without), Refusal::none);
-  EXPECT_EQ(control({.id = 4, .what = Control::write_image, .written = true}), Refusal::no_image);
+  EXPECT_EQ(control({.id = 4, .what = Control::write_image, .written = module_->mapping().table()}),
+            Refusal::no_image);
   PreparedSettings with = prepared(settings_);
   ASSERT_EQ(configure(with), Refusal::none);
-  EXPECT_EQ(control({.id = 5, .what = Control::write_image, .written = true}), Refusal::none);
+  EXPECT_EQ(control({.id = 5, .what = Control::write_image, .written = module_->mapping().table()}),
+            Refusal::none);
+  EXPECT_EQ(control({.id = 6, .what = Control::write_image, .written = module_->mapping().table() - 1}),
+            Refusal::image_owned)
+      << "what was written into the image before is not sent";
 }
 
 }  // namespace

@@ -137,13 +137,15 @@ void ImageGate::begin_anew(SteadyTime now) {
   ++image_.table;
 }
 
-bool ImageGate::write(std::uint16_t address, std::span<const std::uint8_t> bytes) {
-  if (!rules_.mapped || arbiter_.owner().handle != 0 || address + bytes.size() > image_.bytes.size())
-    return false;
+std::optional<std::uint32_t> ImageGate::write(std::uint16_t address, std::span<const std::uint8_t> bytes) {
+  if (!rules_.mapped || rules_.read_only || arbiter_.owner().handle != 0 ||
+      address + bytes.size() > image_.bytes.size())
+    return std::nullopt;
+  if (!image_.sending) image_.bytes.fill(0);
   std::copy(bytes.begin(), bytes.end(), image_.bytes.begin() + address);
   image_.sending = true;
   exchange_.outputs.write(image_);
-  return true;
+  return image_.table;
 }
 
 std::optional<SteadyTime> ImageGate::tick(SteadyTime now) {

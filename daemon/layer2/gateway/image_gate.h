@@ -52,8 +52,9 @@ class ImageGate {
   /// Tells of refusals that are over. Returns when to call again; nothing: no need.
   std::optional<SteadyTime> tick(SteadyTime now);
 
-  /// A request writes; false: there is no image, or it has an owner, and nothing has changed.
-  bool write(std::uint16_t address, std::span<const std::uint8_t> bytes);
+  /// A request writes; while nothing is sent, it begins with bytes that are all 0. Returned is the table of the image;
+  /// nothing: there is no image, it is read-only or has an owner, and nothing has changed.
+  std::optional<std::uint32_t> write(std::uint16_t address, std::span<const std::uint8_t> bytes);
 
   /// The owner, as it names itself; empty: none.
   const std::string& owner() const noexcept { return arbiter_.owner().identity.who; }

@@ -246,7 +246,7 @@ constexpr auto kRows = std::to_array<Layer2Row>({
         word(
             "mapping.writer_lost",
             "When the program that owns the image that is sent has gone, has given it up, or may write no more: "
-            "stop_sending = the image is not sent until a program writes it; zero = its bytes become 0; hold = it is "
+            "stop_sending = the image is not sent until a program writes it, from all 0 on; zero = its bytes become 0; hold = it is "
             "sent on as it is.")),
     // --- [[mapped]]
     {config::rows::label("mapped.number", Layer2Draft::kMostMapped - 1, "Place in the table."),

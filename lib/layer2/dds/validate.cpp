@@ -198,8 +198,10 @@ Problem explain(Refusal refusal, std::uint16_t queue) {
                     "run and stop follow a program (module.run_follows), which is not there or says stop; "
                     "start it, or let it say run"};
     case Refusal::image_owned:
-      return Denial{gateway_CAUSE_WRONG_STATE,
-                    "the image belongs to a writer of ImageOutputs; write when that has given it up"};
+      return Denial{
+          gateway_CAUSE_WRONG_STATE,
+          "the image belongs to a writer of ImageOutputs, another mapping was taken over, or the daemon was "
+          "made read-only; look at `cansync can image`, then write again"};
     case Refusal::not_permitted:
       return Denial{gateway_CAUSE_RIGHT,
                     "the daemon may not reset the controller; give it the right CAP_NET_ADMIN"};

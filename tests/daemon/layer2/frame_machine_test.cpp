@@ -140,7 +140,7 @@ TEST(FrameMachine, L52L55TheProcessImageIsExchanged) {
                             {.identifier = 0x201, .address = 0, .size = 2, .output = true}};
   settings.module.mapping.rule = {.identifier = 0x181, .mask = 0x7FF};
   Rig rig(settings, one({.periodic = data_frame(0x181, {0, 7}), .period = milliseconds(20)}));
-  const layer2::ControlOrder write{.id = 1, .what = layer2::Control::write_image, .written = true};
+  const layer2::ControlOrder write{.id = 1, .what = layer2::Control::write_image, .written = 0};
   const layer2::ControlOrder owned{.id = 2, .what = layer2::Control::write_image};
   OutputImage outputs{.sending = true};
   outputs.bytes[0] = 0xAB;

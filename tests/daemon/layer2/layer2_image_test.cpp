@@ -236,7 +236,9 @@ TEST_F(Layer2Image, L56SendingStopsUntilSomebodyWritesAgain) {
   const auto later = image([&](const auto& sample) { return sample.received > stopped.received + 10; });
   EXPECT_LE(later.sent, stopped.sent + 1) << "one may have been on its way";
   EXPECT_EQ(write_by_request(9).code, gateway_REPLY_DONE);
-  (void)image([&](const auto& sample) { return sample.sending && sample.sent > later.sent; });
+  const auto again = image([&](const auto& sample) { return sample.sending && sample.sent > later.sent; });
+  EXPECT_EQ(again.outputs[0], 9);
+  EXPECT_EQ(again.outputs[3], 0) << "what the program that died gave is over";
 }
 
 using Layer2Sequence = Layer2BusTest;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <iterator>
 #include <memory>
@@ -13,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "cli/base/endings.h"
 #include "cli/base/interrupt.h"
 #include "cli/connect/bus_verb.h"
 #include "cli/connect/gateway_reply.h"
@@ -170,6 +172,20 @@ std::vector<std::uint8_t> parse_image_bytes(const std::vector<std::string>& text
   return bytes;
 }
 
+using Start = std::array<std::uint8_t, 16>;
+
+/// Which start of the daemon serves the bus.
+Start start_of(const FrameClient& client) {
+  return std::to_array(client.gateway_status().daemon);
+}
+
+/// Throws Ended when another start of the daemon serves the bus than `start`: what that was told is lost.
+void expect_same_start(const FrameClient& client, const Start& start, std::string_view lost) {
+  if (start_of(client) == start) return;
+  throw Ended(ExitCode::not_reachable,
+              fmt::format("the daemon was started anew: {}; look at the module, then call this again", lost));
+}
+
 /// As owner, until Ctrl-C. The reply is made of what the daemon shows.
 SendResult write_as_owner(Session& session, FrameClient& client, const ImageTexts& texts,
                           std::uint16_t address, const std::vector<std::uint8_t>& bytes) {
@@ -190,7 +206,12 @@ SendResult write_as_owner(Session& session, FrameClient& client, const ImageText
   }
   if (result.code != gateway_REPLY_DONE) return result;
   session.output().remark("the image is held until Ctrl-C");
-  while (!interrupt_flag().load() && client.daemon_present()) (void)client.image(milliseconds(200), true);
+  const Start start = start_of(client);
+  while (!interrupt_flag().load()) {
+    if (stays_gone(client)) throw client::NoDaemon("the daemon has gone (" + client.place() + ")");
+    (void)client.image(milliseconds(200), true);
+    if (client.daemon_present()) expect_same_start(client, start, "the image is not held any more");
+  }
   return result;
 }
 
@@ -255,12 +276,15 @@ ExitCode lead_verb(Session& session, const std::string& name) {
   const std::string problem = lead.say(true);
   if (!problem.empty()) throw client::NoDaemon(problem);
   session.output().remark("the module is to run until Ctrl-C");
+  const Start start = start_of(client);
   std::optional<layer2_FrameStatus> told;
   while (!interrupt_flag().load()) {
     if (stays_gone(client)) {
       return end_without_daemon(session, client.place());
     }
     (void)client.image(milliseconds(200), true);
+    if (client.daemon_present())
+      expect_same_start(client, start, "it does not know that the module is to run");
     const auto status = client.status(milliseconds(1));
     if (!status || (told && told->running == status->running &&
                     std::string_view(told->run_lead) == std::string_view(status->run_lead)))
