@@ -71,7 +71,8 @@ Refusal Outbox::submit(const Order& order, Time now) noexcept {
     return Refusal::too_long;
   if (!can_be_sent(order)) return Refusal::bad_order;
   if (is_extended(order) && order.destination == kGlobalAddress) return Refusal::too_long_for_all;
-  if (!claim_.wanted() && !wants_claims_of_all(order)) return Refusal::no_address;
+  if (!claim_.wanted() && claim_.state() != ClaimState::asking && !wants_claims_of_all(order))
+    return Refusal::no_address;
   if (!has_room(order)) return Refusal::queue_full;
   if (waiting_.size() == 0) obstacle_ = Obstacle::none;
   answers_.begin(order);
@@ -286,15 +287,31 @@ void Outbox::controller_emptied() noexcept {
   end_handed_over(JobEnd::unanswered);
   offer_.reset();
   own_waiting_ = {};
+  take_back_unbegun();
   sender_.drop();
+  follow_packets();
 }
 
 void Outbox::address_changed() noexcept {
   offer_.reset();
   own_waiting_ = {};
+  take_back_unbegun();
   requested_.end_all(JobEnd::lost);
   end_sending(JobEnd::lost);
   (void)sender_.take_ended();
+}
+
+/// Orders in packets of which nothing was handed over wait on, as those of one frame do.
+void Outbox::take_back_unbegun() noexcept {
+  for (std::size_t i = 0; i < sending_.size();) {
+    const Sending& sending = sending_[i];
+    if (sending.internal || waiting_.full() || sender_.begun(sending.id) || !sender_.cancel(sending.id)) {
+      ++i;
+      continue;
+    }
+    waiting_.push(sending.open);
+    sending_.erase(i);
+  }
 }
 
 void Outbox::advance(Time now) noexcept {

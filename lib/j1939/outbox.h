@@ -136,6 +136,7 @@ class Outbox {
   void advance_handed_over() noexcept;
   void advance_waiting() noexcept;
   void end_waiting(JobEnd end) noexcept;
+  void take_back_unbegun() noexcept;
   void end_sending(JobEnd end) noexcept;
   JobKnown known_of(const Sending& sending) const noexcept;
   void end_handed_over(JobEnd end) noexcept;

@@ -45,6 +45,20 @@ TEST_F(NodeTest, OrdersWaitForTheAddressAndEndWhenItIsNotClaimedInTime) {
   EXPECT_EQ(fresh.run(milliseconds(250)), std::vector{frame(0x0CFEF180, {1})});
 }
 
+TEST(AskingNode, OrdersWaitWhileItAsksWhichAddressesAreFree) {
+  NodeSettings settings = settings_at(kOwn);
+  settings.claim.ask_time = milliseconds(250);
+  NodeRig fresh(settings);
+  ASSERT_EQ(fresh.node.claim().state(), ClaimState::asking);
+  std::vector<std::uint8_t> data = {1};
+  EXPECT_EQ(fresh.node.submit({.id = 1, .number = 0xFEF1, .timeout = std::chrono::seconds(9), .memory = data},
+                              fresh.now),
+            Refusal::none);
+  (void)fresh.run(milliseconds(499));
+  EXPECT_TRUE(fresh.answers().empty());
+  EXPECT_EQ(fresh.run(milliseconds(2)).size(), 1u) << "claimed, and sent";
+}
+
 TEST_F(NodeTest, WhatCannotBeSentIsRefused) {
   EXPECT_EQ(rig.node.submit(message(1, 0x40000, 8), rig.now), Refusal::bad_order);
   EXPECT_EQ(rig.node.submit(message(1, 0xEF01, 8), rig.now), Refusal::bad_order);

@@ -132,6 +132,17 @@ TEST_F(TransportTest, AnEmptiedControllerEndsWhatWasBeingSent) {
   EXPECT_EQ(rig.node.transports(), 0u);
 }
 
+TEST_F(TransportTest, AMessageOfWhichNothingWentWaitsForTheControllerAsAShortOneDoes) {
+  ASSERT_EQ(send(1, kGlobalAddress, twenty, seconds(9)), Refusal::none);
+  rig.node.controller_emptied();
+  (void)rig.pump();  // asks, and claims
+  (void)rig.run(milliseconds(249));
+  EXPECT_TRUE(rig.answers().empty());
+  const auto begun = rig.run(milliseconds(1));
+  ASSERT_EQ(begun.size(), 1u);
+  EXPECT_EQ(begun[0].data[0], 32) << "BAM";
+}
+
 /// The address may be another node's by now.
 TEST_F(TransportTest, AfterAnEmptiedControllerAWaitingMessageWaitsForTheAddressToo) {
   std::vector<std::uint8_t> second = counting(20);

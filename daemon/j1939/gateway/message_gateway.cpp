@@ -87,6 +87,7 @@ std::string MessageGateway::state_text() const {
     case j1939::ClaimState::listening:
       return with("J1939: listens without an address");
     case j1939::ClaimState::asking:
+      return with("J1939: asks which addresses are free");
     case j1939::ClaimState::claiming:
       return with(fmt::format("J1939: claims address {}", bus_.address));
     case j1939::ClaimState::claimed:

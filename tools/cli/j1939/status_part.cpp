@@ -83,8 +83,12 @@ std::vector<Finding> node_findings(Session& session) {
               "set another address.preferred, or address.arbitrary = true");
   } else if (claim == "claimed") {
     out.ok("address", fmt::format("{}; {}: {}", status.address, name, strength_text(status.node_name)));
+  } else if (claim == "listening") {
+    out.ok("address", "none: the daemon listens alone");
   } else {
-    out.ok("address", claim);
+    out.warning(
+        "address", fmt::format("{}: nothing is sent until it is claimed", claim),
+        "call cansync doctor again after a second; a node that is alone on its bus claims none: connect another");
   }
   if (status.intruders != 0)
     out.warning("intruders",
