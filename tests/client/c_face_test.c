@@ -183,7 +183,7 @@ static void check_names(void) {
   cansync_parameter_info info;
   uint32_t raw = 0;
   CHECK(cansync_find_parameter(client, 1, "0x10", &info) == CANSYNC_DONE);
-  CHECK(info.number == 16 && info.name[0] == 0 && info.factor == 1.0 && info.doubleword == 1);
+  CHECK(info.number == 16 && info.name[0] == 0 && info.factor == 1.0 && info.doubleword == -1);
   CHECK(cansync_find_parameter(client, 1, "4096", &info) == CANSYNC_INVALID);
   CHECK(cansync_find_parameter(client, 1, "speed", &info) == CANSYNC_INVALID);
   CHECK(strstr(last_error(), "slave 1 has no profile") != NULL);

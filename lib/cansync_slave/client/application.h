@@ -14,6 +14,11 @@
 
 namespace cansync_slave::client {
 
+/// Is the value whole in its low word, without a sign or with one (-32768..65535)?
+constexpr bool fits_word(std::uint32_t value) noexcept {
+  return value <= 0xFFFF || value >= 0xFFFF8000;
+}
+
 /// What a program takes over of the slave.
 struct Duties {
   std::vector<std::uint16_t> parameters;  ///< numbers, 0..4095

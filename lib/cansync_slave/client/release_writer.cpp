@@ -36,11 +36,10 @@ ReleaseWriter::~ReleaseWriter() {
 
 std::string ReleaseWriter::write(std::uint8_t telegram, const std::array<std::uint32_t, 4>& raw,
                                  std::uint8_t valid, std::uint32_t wait_intervals) {
-  if (std::string had =
-          gateway::dds::had_by_another(fmt::format("telegram {} of the actual values", telegram),
-                                       owner_of(client_, telegram), writer_, strength_);
-      !had.empty())
-    return had;
+  std::string had = gateway::dds::had_by_another(fmt::format("telegram {} of the actual values", telegram),
+                                                 owner_of(client_, telegram), writer_, strength_);
+  waits_ = !had.empty();
+  if (waits_) return had;
   cansync_slave_ActualRelease sample = {};
   sample.telegram = telegram;
   gateway::dds::set_writer(writer_, sample);

@@ -32,6 +32,9 @@ class ReleaseWriter {
   std::string write(std::uint8_t telegram, const std::array<std::uint32_t, 4>& raw, std::uint8_t valid,
                     std::uint32_t wait_intervals);
 
+  /// The last `write` wrote nothing, because another writer has the telegram that is no weaker.
+  bool waits() const noexcept { return waits_; }
+
   /// Nothing more is released by this writer; another one may.
   void give_up(std::uint8_t telegram);
 
@@ -47,6 +50,7 @@ class ReleaseWriter {
   gateway::dds::Writer<cansync_slave_ActualRelease> writer_;
   gateway::dds::DaemonIdentity daemon_ = {};
   std::array<bool, 2> written_ = {};
+  bool waits_ = false;
 };
 
 }  // namespace cansync_slave::client

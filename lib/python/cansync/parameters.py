@@ -21,6 +21,7 @@ class Access(enum.IntEnum):
 class Parameter:
     """What a slave's drive profile says of a parameter (docs/profiles.md): value = raw number * factor + offset.
 
+    doubleword: 32 bits, else 16; None: no profile says
     minimum, maximum: raw numbers that may be written; None: all that the format holds
     """
 
@@ -29,7 +30,7 @@ class Parameter:
     unit: str
     group: str
     text: str
-    doubleword: bool
+    doubleword: bool | None
     signed: bool
     factor: float
     offset: float
@@ -41,7 +42,8 @@ class Parameter:
     @classmethod
     def _of(cls, c: typing.Any) -> Parameter:
         limits = (c.minimum, c.maximum) if c.limited else (None, None)
-        return cls(c.number, text(c.name), text(c.unit), text(c.group), text(c.text), bool(c.doubleword),
+        return cls(c.number, text(c.name), text(c.unit), text(c.group), text(c.text),
+                   None if c.doubleword < 0 else bool(c.doubleword),
                    bool(c.is_signed), c.factor, c.offset, Access(c.access), bool(c.is_volatile), *limits)
 
 

@@ -211,11 +211,13 @@ class Application:
         self._call(lib.cansync_application_take_over, given, len(numbers), int(sub_slaves), int(blocks), strength)
 
     def answer(self, asked: SlaveEvent, value: int = 0, *, doubleword: bool = False) -> None:
-        """To PARAMETER: a write is done, or a read has this raw value in this format."""
+        """To PARAMETER: a write is done, or a read has this raw value in this format; a word is -32768..65535."""
+        if not -0x80000000 <= value <= 0xFFFFFFFF:
+            raise error_of(Code.INVALID, f"client: value {value}: allowed -2147483648..4294967295")
         self._call(lib.cansync_application_answer, asked.job, value & 0xFFFFFFFF, int(doubleword))
 
     def refuse(self, asked: SlaveEvent, error: int) -> None:
-        """A parameter job or a block fails with this error number; of a block 0x0100 and over."""
+        """A parameter job or a block fails with this error number: 1..0xFFFF, of a block 0x0100 and over."""
         of_parameter = asked.kind == SlaveEventKind.PARAMETER
         self._call(lib.cansync_application_refuse if of_parameter else lib.cansync_application_refuse_block, asked.job, error)
 

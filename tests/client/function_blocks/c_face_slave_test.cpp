@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstdio>
 #include <iterator>
 #include <memory>
 #include <optional>
@@ -136,6 +137,61 @@ TEST_F(SlaveCFace, AJobThatAnotherApplicationIsAskedIsNotToldToOneThatStandsBy) 
   EXPECT_TRUE(repeat_until(look, [&] { return !told.empty() && told.back() == 401; }));
   EXPECT_EQ(std::count(told.begin(), told.end(), 400u), 0);
   EXPECT_EQ(cansync_application_answer(handle.get(), 2, 1, 0), CANSYNC_INVALID) << "its own is the first";
+}
+
+// An answer that does not fit the telegram would be another one.
+TEST_F(SlaveCFace, AnAnswerThatWouldSayAnotherThingIsRefused) {
+  const std::uint16_t numbers[] = {400};
+  ASSERT_EQ(cansync_application_take_over(handle.get(), numbers, 1, 0, 1, 0), CANSYNC_DONE);
+  ASSERT_TRUE(taken_over());
+  const std::uint64_t read = asked(1, 400).job;
+  EXPECT_EQ(cansync_application_answer(handle.get(), read, 100'000, 0), CANSYNC_INVALID);
+  EXPECT_STREQ(cansync_application_last_error(handle.get()),
+               "client: value 100000: wider than a word; allowed -32768..65535, or give it as a doubleword");
+  EXPECT_EQ(cansync_application_refuse(handle.get(), read, 0), CANSYNC_INVALID) << "0 would be done";
+  EXPECT_EQ(cansync_application_answer(handle.get(), read, static_cast<std::uint32_t>(-5), 0), CANSYNC_DONE);
+
+  std::uint64_t block = 0;
+  ASSERT_TRUE(repeat_until(
+      [&] {
+        daemon->write(daemon->block(1, cansync_slave_BLOCK_BEGUN));
+        if (const auto event = receive(); event && event->kind == CANSYNC_SLAVE_BLOCK) block = event->job;
+      },
+      [&] { return block != 0; }));
+  const std::vector<std::uint8_t> data(301, 7);
+  EXPECT_EQ(cansync_application_allow_block(handle.get(), block, data.data(), data.size(), 0),
+            CANSYNC_INVALID);
+  EXPECT_EQ(cansync_application_step_block(handle.get(), block, data.data(), data.size()), CANSYNC_INVALID);
+  EXPECT_EQ(cansync_application_refuse_block(handle.get(), block, 0xFF), CANSYNC_INVALID);
+  EXPECT_STREQ(cansync_application_last_error(handle.get()), "client: error 255: allowed 256..65535");
+  EXPECT_EQ(cansync_application_allow_block(handle.get(), block, data.data(), 300, 0), CANSYNC_DONE);
+  EXPECT_TRUE(repeat_until([&] { (void)receive(); }, [&] { return daemon->answers.size() == 2; }));
+  EXPECT_EQ(daemon->answers.at(0).sample.value, 0xFFFBu);
+  EXPECT_EQ(daemon->answers.at(1).data.size(), 300u);
+}
+
+TEST_F(SlaveCFace, WhoOnlyReleasesHearsOfAnotherWriterOfARestartAndOfTheEnd) {
+  const std::int32_t raw[4] = {1, 2, 3, 4};
+  int result = CANSYNC_DONE;
+  const auto release = [&] {
+    result = cansync_application_release(handle.get(), 1, raw, 0x0F, 2);
+    if (daemon) daemon->take();
+  };
+  ASSERT_TRUE(repeat_until(release, [&] { return !daemon->releases.empty(); }));
+  EXPECT_EQ(result, CANSYNC_DONE);
+  cansync_slave_Ownership& owner = daemon->status.actual_ownership[0];
+  std::snprintf(owner.writer, sizeof(owner.writer), "another");
+  owner.strength = 5;
+  owner.writer_guid[0] = 0xEE;
+  daemon->tell();
+  ASSERT_TRUE(repeat_until(release, [&] { return result == CANSYNC_REFUSED; }));
+  EXPECT_NE(std::string(cansync_application_last_error(handle.get())).find("another"), std::string::npos);
+  daemon.emplace(place);
+  ASSERT_TRUE(repeat_until(release, [&] { return result == CANSYNC_TAKE_UP; }));
+  EXPECT_TRUE(daemon->releases.empty());
+  daemon.reset();
+  ASSERT_TRUE(repeat_until(release, [&] { return result == CANSYNC_NO_DAEMON; }));
+  EXPECT_EQ(cansync_application_set_mode(handle.get(), 2), CANSYNC_NO_DAEMON);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ typedef struct cansync_parameter_info {
   char unit[17];
   char group[65];
   char text[201]; /* what it means */
-  int doubleword; /* 1: 32 bits, 0: 16 bits */
+  int doubleword; /* 1: 32 bits, 0: 16 bits; -1: there is no profile that says, ask for it with format 2 */
   int is_signed;  /* the number is the raw value's two's complement */
   double factor;  /* not 0 */
   double offset;

@@ -129,14 +129,15 @@ CANSYNC_C_API int cansync_application_take_over(cansync_application* application
                                                 int32_t strength) CANSYNC_C_NOEXCEPT;
 
 /* Answers of the application. One to what the master does not want any more is dropped; a job that never was
- * is CANSYNC_INVALID. This one: a write is done, or a read has this raw value in this format. */
+ * is CANSYNC_INVALID. This one: a write is done, or a read has this raw value in this format; a word is
+ * -32768..65535, else CANSYNC_INVALID. */
 CANSYNC_C_API int cansync_application_answer(cansync_application* application, uint64_t job, uint32_t value,
                                              int doubleword) CANSYNC_C_NOEXCEPT;
-/* A parameter job fails with an error number (M 3.2.3.7). */
+/* A parameter job fails with an error number, 1..65535 (M 3.2.3.7). */
 CANSYNC_C_API int cansync_application_refuse(cansync_application* application, uint64_t job,
                                              uint16_t error) CANSYNC_C_NOEXCEPT;
-/* CANSYNC_SLAVE_BLOCK: the block may be moved; a whole upload brings all its data, another one may fix its
- * length (0: as asked). */
+/* CANSYNC_SLAVE_BLOCK: the block may be moved; a whole upload brings all its data, up to 300 bytes; another one
+ * may fix its length (0: as asked). */
 CANSYNC_C_API int cansync_application_allow_block(cansync_application* application, uint64_t job,
                                                   const uint8_t* data, size_t size,
                                                   uint16_t length) CANSYNC_C_NOEXCEPT;
@@ -152,7 +153,9 @@ CANSYNC_C_API int cansync_application_refuse_block(cansync_application* applicat
 
 /* Releases actual values of telegram 1 (values 0..3) or 2 (4..7) for one telegram, which waits
  * `wait_intervals` (1..1000) to be asked for. `valid`: bit n: raw[n] is new. CANSYNC_TAKE_UP: the daemon was
- * started anew since the first release; nothing was given until cansync_application_take_up() is called. */
+ * started anew since the first release; nothing was given until cansync_application_take_up() is called.
+ * CANSYNC_NO_DAEMON: it has gone; CANSYNC_REFUSED: another program has the telegram and is no weaker, go on
+ * until it has gone. */
 CANSYNC_C_API int cansync_application_release(cansync_application* application, uint32_t telegram,
                                               const int32_t raw[4], uint32_t valid,
                                               uint32_t wait_intervals) CANSYNC_C_NOEXCEPT;
@@ -160,7 +163,7 @@ CANSYNC_C_API int cansync_application_release(cansync_application* application, 
 CANSYNC_C_API int cansync_application_take_up(cansync_application* application,
                                               int32_t strength) CANSYNC_C_NOEXCEPT;
 
-/* Commands to the slave itself; each waits at most 3 s for its reply.
+/* Commands to the slave itself; each waits at most 3 s for its reply. CANSYNC_NO_DAEMON: there is none.
  * CANSYNC_MODE_... of <cansync/cansync_c.h>; from stop first setup, then run. */
 CANSYNC_C_API int cansync_application_set_mode(cansync_application* application, int mode) CANSYNC_C_NOEXCEPT;
 /* Register bytes of WRC1, WRC2 and of RDC1, RDC2; in force with the next interval at the latest. */

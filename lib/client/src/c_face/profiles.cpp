@@ -54,7 +54,9 @@ cansync_parameter_info unknown(std::uint32_t number) {
   profile::Parameter plain;
   plain.number = static_cast<std::uint16_t>(number);
   plain.format = profile::Format::doubleword;
-  return to_c(plain);
+  cansync_parameter_info info = to_c(plain);
+  info.doubleword = -1;
+  return info;
 }
 
 /// What scaling and limits look at.

@@ -1,4 +1,5 @@
 #include <cansync/cansync_c_slave.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -22,6 +23,7 @@
 #include "client/src/causes.h"
 #include "client/src/set_up.h"
 #include "dds/bounded_text.h"
+#include "text/counts.h"
 
 namespace {
 
@@ -33,6 +35,7 @@ using SlaveClient = ::cansync_slave::client::SlaveClient;
 using std::chrono::milliseconds;
 
 constexpr std::size_t kMostEvents = 1000;
+constexpr std::size_t kBlockBytes = sizeof(cansync_slave_event::data);
 constexpr milliseconds kFirstState{2000};
 constexpr milliseconds kReplyTime{3000};
 /// A quarter of the silence after which the daemon takes an application for none.
@@ -157,10 +160,10 @@ bool look(cansync_application& open, milliseconds time, Done&& done) {
   }
 }
 
-/// `call(application, job)` for the newest job of its kind.
-template <class Job, class Call>
+/// `call(application, job)` for the newest job of its kind, unless `problem(job)` says what is wrong with the answer.
+template <class Job, class Problem, class Call>
 int answer(cansync_application* handle, std::uint64_t job, Asked<Job> cansync_application::*newest,
-           Call&& call) noexcept {
+           Problem&& problem, Call&& call) noexcept {
   return connected_slave(handle, [&](cansync_application& open, SlaveClient& /*slave*/) {
     if (!open.duties)
       return fail(open, CANSYNC_INVALID,
@@ -171,8 +174,28 @@ int answer(cansync_application* handle, std::uint64_t job, Asked<Job> cansync_ap
       return fail(open, CANSYNC_INVALID,
                   "client: job " + std::to_string(job) + ": is not the newest; allowed " +
                       std::to_string((open.*newest).number));
+    if (const std::string wrong = problem((open.*newest).job); !wrong.empty())
+      return fail(open, CANSYNC_INVALID, "client: " + wrong);
     return done_or(open, CANSYNC_FAILED, call(*open.duties, (open.*newest).job));
   });
+}
+
+/// For answers that cannot be wrong.
+constexpr auto kNoProblem = [](const auto& /*job*/) { return std::string(); };
+
+/// An error number below `lowest` would say that the job is done.
+auto error_number(std::uint16_t error, unsigned lowest) {
+  return [error, lowest](const auto& /*job*/) {
+    if (error >= lowest) return std::string();
+    return fmt::format("error {}: allowed {}..65535", error, lowest);
+  };
+}
+
+auto block_size(std::size_t size) {
+  return [size](const cansync_slave_BlockJob& /*job*/) {
+    if (size <= kBlockBytes) return std::string();
+    return fmt::format("{} of data: allowed 0..{}", text::counted(size, "byte"), kBlockBytes);
+  };
 }
 
 int command(cansync_application* handle, const cansync_slave_SlaveCommand& wanted) noexcept {
@@ -185,6 +208,8 @@ int command(cansync_application* handle, const cansync_slave_SlaveCommand& wante
       if (!look(open, milliseconds(20), [] { return false; }) || !goes_on(open)) break;
       begun = slave.command(wanted);
     }
+    if (begun.not_begun && !begun.not_begun->replied)
+      return fail(open, CANSYNC_NO_DAEMON, "client: " + begun.not_begun->reason + " (" + slave.place() + ")");
     if (begun.not_begun) {
       open.cause = client::detail::cause_of(*begun.not_begun);
       return fail(open, CANSYNC_REFUSED, "client: " + begun.not_begun->reason);
@@ -299,37 +324,43 @@ int cansync_application_take_over(cansync_application* application, const uint16
 
 int cansync_application_answer(cansync_application* application, uint64_t job, uint32_t value,
                                int doubleword) noexcept {
-  return answer(application, job, &cansync_application::parameter,
-                [&](auto& to, const auto& asked) { return to.answer(asked, value, doubleword != 0); });
+  const auto too_wide = [&](const cansync_slave_ParameterJob& asked) {
+    if (asked.write || doubleword != 0 || ::cansync_slave::client::fits_word(value)) return std::string();
+    return fmt::format("value {}: wider than a word; allowed -32768..65535, or give it as a doubleword",
+                       value);
+  };
+  return answer(application, job, &cansync_application::parameter, too_wide,
+                [&](auto& to, const auto& asked) {
+                  const std::uint32_t bits = doubleword != 0 ? value : value & 0xFFFFu;
+                  return to.answer(asked, asked.write ? 0 : bits, !asked.write && doubleword != 0);
+                });
 }
 
 int cansync_application_refuse(cansync_application* application, uint64_t job, uint16_t error) noexcept {
-  return answer(application, job, &cansync_application::parameter,
+  return answer(application, job, &cansync_application::parameter, error_number(error, 1),
                 [&](auto& to, const auto& asked) { return to.refuse(asked, error); });
 }
 
 int cansync_application_allow_block(cansync_application* application, uint64_t job, const uint8_t* data,
                                     size_t size, uint16_t length) noexcept {
-  return answer(application, job, &cansync_application::block, [&](auto& to, const auto& asked) {
-    return to.allow(asked, bytes_of(data, std::min<std::size_t>(size, 300)), length);
-  });
+  return answer(application, job, &cansync_application::block, block_size(size),
+                [&](auto& to, const auto& asked) { return to.allow(asked, bytes_of(data, size), length); });
 }
 
 int cansync_application_take_block(cansync_application* application, uint64_t job) noexcept {
-  return answer(application, job, &cansync_application::block,
+  return answer(application, job, &cansync_application::block, kNoProblem,
                 [](auto& to, const auto& asked) { return to.take(asked); });
 }
 
 int cansync_application_step_block(cansync_application* application, uint64_t job, const uint8_t* data,
                                    size_t size) noexcept {
-  return answer(application, job, &cansync_application::block, [&](auto& to, const auto& asked) {
-    return to.step(asked, bytes_of(data, std::min<std::size_t>(size, 300)));
-  });
+  return answer(application, job, &cansync_application::block, block_size(size),
+                [&](auto& to, const auto& asked) { return to.step(asked, bytes_of(data, size)); });
 }
 
 int cansync_application_refuse_block(cansync_application* application, uint64_t job,
                                      uint16_t error) noexcept {
-  return answer(application, job, &cansync_application::block,
+  return answer(application, job, &cansync_application::block, error_number(error, 0x0100),
                 [&](auto& to, const auto& asked) { return to.refuse(asked, error); });
 }
 
@@ -360,15 +391,18 @@ int cansync_application_release(cansync_application* application, uint32_t teleg
         return true;
       });
     }
+    // A program that takes nothing over may never ask what has come.
+    if (!slave.receive(milliseconds{0}, open.listener))
+      return fail(open, CANSYNC_NO_DAEMON, "client: the daemon has gone (" + slave.place() + ")");
     if (open.releases->daemon_restarted())
       return fail(
           open, CANSYNC_TAKE_UP,
           "client: the daemon was started anew; look at the slave, then call cansync_application_take_up()");
     std::array<std::uint32_t, 4> values = {};
     std::copy_n(raw, values.size(), values.begin());
-    return done_or(open, CANSYNC_FAILED,
-                   open.releases->write(static_cast<std::uint8_t>(telegram), values,
-                                        static_cast<std::uint8_t>(valid), wait_intervals));
+    const std::string problem = open.releases->write(static_cast<std::uint8_t>(telegram), values,
+                                                     static_cast<std::uint8_t>(valid), wait_intervals);
+    return done_or(open, open.releases->waits() ? CANSYNC_REFUSED : CANSYNC_FAILED, problem);
   });
 }
 

@@ -16,11 +16,6 @@ constexpr std::uint16_t kWrongFormat = 0xFFF9;
 constexpr std::uint8_t kValueElement = 7;
 constexpr UINT kParameterNumbers = 4096;
 
-/// The low word alone says it all, with sign or without.
-constexpr bool is_word(UDINT value) noexcept {
-  return value <= 0xFFFF || value >= 0xFFFF8000;
-}
-
 /// An answer names the job and the daemon that gave it.
 cansync_slave_ParameterJob job_named(std::uint64_t number, const std::array<std::uint8_t, 16>& daemon) {
   cansync_slave_ParameterJob job = {};
@@ -129,7 +124,7 @@ void PAR_SL::answer() {
   std::string wrong;
   if (x_ERR_IN) {
     error_ = application->refuse(job, i_ERR == 0 ? kUnspecified : static_cast<std::uint16_t>(i_ERR));
-  } else if (x_READ && !x_PAR_FORMAT_READ && !is_word(ud_PAR_VALUE_READ)) {
+  } else if (x_READ && !x_PAR_FORMAT_READ && !::cansync_slave::client::fits_word(ud_PAR_VALUE_READ)) {
     wrong = "client: ud_PAR_VALUE_READ " + std::to_string(ud_PAR_VALUE_READ) +
             ": wider than a word; the master is told \"wrong format\"; set x_PAR_FORMAT_READ";
     error_ = application->refuse(job, kWrongFormat);
