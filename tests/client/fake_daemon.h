@@ -244,11 +244,16 @@ class FakeDaemon {
     publish_state();
   }
 
+  cansync::dds::Limits limits_now() const {
+    const std::lock_guard lock(mutex_);
+    return cansync::dds::limits_of(settings_);
+  }
+
   void serve() {
-    const cansync::dds::Limits limits = cansync::dds::limits_of(settings_);
     while (!stop_) {
       (void)signal_.wait(outbox_.empty() ? 1000 : 10);
       signal_.clear();
+      const cansync::dds::Limits limits = limits_now();
       if (answer_lost_.exchange(false)) {
         for (const Key& key : std::exchange(lost_, {}))
           answer(parameter_writer_, cansync::dds::parameter_reply(key, {}));

@@ -44,6 +44,17 @@ TEST_F(PdCfg, WhatWasRefusedForWhatPassesIsEnteredAgain) {
   EXPECT_EQ(daemon.commands().size(), 1u);
 }
 
+TEST_F(PdCfg, ASlaveThatAReloadAddsIsEntered) {
+  PD_CFG_READ_MA block(client);
+  block.si_SL_NR = 4;
+  block.a_RDC1 = {0, -1, -1, -1};
+  block.call();
+  ASSERT_EQ(block.error().rfind("client: slave 4: not configured", 0), 0u) << block.error();
+  daemon.configure_slave_4();
+  EXPECT_TRUE(repeat_until([&] { block.call(); }, [&] { return block.in_effect(); })) << block.error();
+  EXPECT_EQ(daemon.commands().size(), 1u);
+}
+
 // The manual's example of 4.16.
 TEST_F(PdCfg, TheManualsExampleOfActualValues) {
   PD_CFG_READ_MA block(client);

@@ -23,7 +23,10 @@ void PD_CFG_MA::call() {
 
 void PD_CFG_READ_MA::call() {
   const Inputs inputs = {si_SL_NR, a_RDC1, a_RDC2, a_HL_RDC1, a_HL_RDC2};
-  if (inputs != entered_) {
+  // A reload of the daemon adds slaves.
+  const bool was_missing = slot_.cause() == RefusalCause::slave_not_configured && slot_.may_repeat() &&
+                           !slave_problem(*client_, si_SL_NR);
+  if (inputs != entered_ || was_missing) {
     entered_ = inputs;
     Mapping mapping = mapping_of(a_RDC1, a_HL_RDC1, a_RDC2, a_HL_RDC2);
     auto problem = slave_problem(*client_, si_SL_NR);

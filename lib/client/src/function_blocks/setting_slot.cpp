@@ -48,12 +48,15 @@ void SettingSlot::withdraw() {
   note();
 }
 
-void SettingSlot::poll() {
+bool SettingSlot::may_repeat() const {
   constexpr std::chrono::milliseconds kAgain{500};
+  return !slot_.open() && std::chrono::steady_clock::now() - state_->given >= kAgain;
+}
+
+void SettingSlot::poll() {
   const Validity now = client_->validity();
-  const auto time = std::chrono::steady_clock::now();
   const bool anew = now.daemon != state_->daemon;
-  const bool again = slot_.passes() && !slot_.open() && time - state_->given >= kAgain;
+  const bool again = slot_.passes() && may_repeat();
   if (entered_ && (anew || again) && client_->link_->asks(now.daemon)) {
     if (anew) client_->link_->program_told_of(now.daemon);
     if (anew)
@@ -62,7 +65,7 @@ void SettingSlot::poll() {
       slot_.repeat(entered_);
     client_->link_->settings().change(*state_, [&](detail::SettingState& state) {
       state.daemon = now.daemon;
-      state.given = time;
+      state.given = std::chrono::steady_clock::now();
       state.mapping_before = std::max<std::uint64_t>(now.mapping_number, 1);
     });
   }

@@ -34,6 +34,8 @@ class CANSYNC_PUBLIC SettingSlot {
   bool refused() const noexcept { return slot_.refused(); }  ///< the setting entered last failed
   const std::string& error() const noexcept { return slot_.error(); }  ///< who refused and why, or empty
   RefusalCause cause() const noexcept { return slot_.cause(); }        ///< why it was refused; none otherwise
+  /// None is under way, and what was handed on last is 500 ms old: it may be entered again without a flood.
+  bool may_repeat() const;
 
   /// Which setting of this client's blocks is not in effect in the daemon; empty: none.
   static std::string missing(const Client& client);
