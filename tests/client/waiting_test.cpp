@@ -55,6 +55,34 @@ TEST_F(WaitingTest, AConditionMayAskTheClient) {
   EXPECT_TRUE(active);
 }
 
+TEST_F(WaitingTest, TimingOfADaemonThatIsGoneGreetsNobody) {
+  const auto repeat_until = [](const auto& tell, const auto& heard) {
+    const auto end = std::chrono::steady_clock::now() + gateway::kLongWait;
+    while (!heard() && std::chrono::steady_clock::now() < end) {
+      tell();
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+    return heard();
+  };
+  std::atomic<int> timings = 0;
+  const auto count = [&](const Timing& /*timing*/) { ++timings; };
+  {
+    const Subscription subscription = client->on_timing(count);
+    ASSERT_TRUE(repeat_until([&] { daemon->publish_rest(); }, [&] { return timings != 0; }));
+  }
+  daemon.reset();
+  daemon.emplace(places.here);
+  ASSERT_TRUE(
+      client->wait_status([](const MasterStatus& s) { return s.option_status == 0x80; }, gateway::kLongWait));
+  timings = 0;
+  const Subscription subscription = client->on_timing(count);
+  // Subscribers are told of all topics in one turn: after the second turn the first is over.
+  std::atomic<int> turns = 0;
+  const Subscription statuses = client->on_master_status([&](const MasterStatus& /*status*/) { ++turns; });
+  ASSERT_TRUE(repeat_until([&] { daemon->tell(); }, [&] { return turns >= 3; }));
+  EXPECT_EQ(timings, 0);
+}
+
 TEST_F(WaitingTest, WhatADaemonThatIsGoneToldLastIsNotHowTheLineIs) {
   const auto is_active = [](const MasterStatus& status) { return status.option_status == 0x80; };
   ASSERT_TRUE(client->wait_status(is_active, gateway::kLongWait));

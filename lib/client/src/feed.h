@@ -157,9 +157,9 @@ class Feed {
     std::uint64_t seen = 0;
     const auto came = [&] { return std::exchange(seen, changes_) != changes_; };
     (void)wait_changed(std::chrono::milliseconds(0), came);
-    while (wait_changed(quiet, came)) {
-      if (Clock::now() >= end) return;
-    }
+    auto left = most;
+    while (left > std::chrono::milliseconds(0) && wait_changed(std::min(quiet, left), came))
+      left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
   }
 
   /// Takes what has come; subscribers hear of it with `tell`.

@@ -451,8 +451,8 @@ void Link::take_feeds(const std::vector<Place>& matched, bool present) {
   const auto set_living = [&](auto&... feeds) { (feeds.set_living(present ? living : matched), ...); };
   set_living(gateway_, bus_, realtime_, master_);
   if (!present) living.clear();
-  slaves_.keep_of(living);
-  actual_.keep_of(living);
+  const auto keep_of = [&](auto&... feeds) { (feeds.keep_of(living), ...); };
+  keep_of(slaves_, actual_, timing_, interval_);
 }
 
 void Link::tell_feeds() {

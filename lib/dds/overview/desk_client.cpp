@@ -88,6 +88,15 @@ std::optional<DeskClient::ProfileFile> DeskClient::profile(std::string_view hash
   return found;
 }
 
+namespace {
+
+/// The program does not wait any longer.
+DeskClient::EndedOther cancelled(std::string reason) {
+  return {{.replied = true, .code = gateway_REPLY_CANCELLED, .reason = std::move(reason)}};
+}
+
+}  // namespace
+
 DeskClient::EndedOther DeskClient::end(std::uint64_t job) {
   Reader<gateway_JobEndReply> replies(participant(), reply_partitions(), &signal());
   Writer<gateway_JobEnd> requests(participant(), 0, &signal());
@@ -96,7 +105,10 @@ DeskClient::EndedOther DeskClient::end(std::uint64_t job) {
                     "the identity has no right to end requests of others, which engineers have; nothing was "
                     "sent")};
   if (auto problem = obstacle()) return {*std::move(problem)};
-  if (!wait(kForAMatch, [&] { return sight().is_read(requests) && sight().is_written(replies); }))
+  const bool matched =
+      wait(kForAMatch, [&] { return sight().is_read(requests) && sight().is_written(replies); });
+  if (!matched && stopped()) return cancelled("cancelled; nothing was sent");
+  if (!matched)
     return {
         refused(gateway_CAUSE_KIND,
                 "the daemon does not take it: it is older than this program, or its bus takes no requests; "
@@ -113,6 +125,8 @@ DeskClient::EndedOther DeskClient::end(std::uint64_t job) {
     });
     return ended.replied;
   });
+  if (!ended.replied && stopped())
+    return cancelled("cancelled; `cansync jobs` shows whether the job has ended");
   return ended;
 }
 

@@ -131,10 +131,11 @@ class Client:
             return int(found[0])
         # Each time anew: a reload of the daemon may give the name to another slave.
         known: dict[str, int] = {}
+        statuses: list[SlaveStatus] = []
         twice: list[str] = []  # each slave has a sample of its own: while names are exchanged two bear the same one
 
         def look() -> bool:
-            statuses = self._known_slaves()
+            statuses[:] = self._known_slaves()
             known.clear()
             twice.clear()
             for status in statuses:
@@ -147,6 +148,9 @@ class Client:
             self._link.poll(_FIRST, look)
         elif not look():
             must_not_wait()
+        if number_or_name not in known and len(statuses) < self.status().slaves_configured.bit_count():
+            raise error_of(Code.INVALID, f"client: slave '{number_or_name}': the daemon has not told the names of all slaves yet; "
+                           "ask again, or give a number")
         if number_or_name not in known:
             names = ", ".join(known) or "a name, but no slave has one"
             raise error_of(Code.INVALID, f"client: slave '{number_or_name}': no slave has this name; allowed 0..31 or {names}")
@@ -360,7 +364,8 @@ class Client:
     @staticmethod
     def _format(info: typing.Any, element: int, format: int) -> int:
         """Of a value by name that of the profile: a drive that has another one says so, and nothing is written."""
-        return int(info.doubleword) if format == _AS_SLAVE_SAYS and element == _VALUE else format
+        known = info.doubleword >= 0  # a number without a profile has none
+        return int(info.doubleword) if known and format == _AS_SLAVE_SAYS and element == _VALUE else format
 
     def _submit_parameter(self, request: dict[str, typing.Any], convert: typing.Callable[[typing.Any], T]) -> Job[T]:
         return self._submit(lib.cansync_submit_parameter, "cansync_parameter_request *", request, convert)
