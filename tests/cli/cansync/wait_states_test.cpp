@@ -60,6 +60,15 @@ TEST(WaitStates, SlavesThatAreNotKnownAreInNoState) {
   EXPECT_FALSE(reached("released", look(0)));
 }
 
+TEST(WaitStates, SlavesThatNobodyAsksAreInNoState) {
+  for (const std::uint16_t stopped : {std::uint16_t{1}, std::uint16_t{2}, std::uint16_t{3}})
+    EXPECT_FALSE(reached("synchronized", look(0b001, stopped)));
+  EXPECT_TRUE(reached("synchronized", look(0b001, 0x0043)));
+  WaitLook stopped = look(0b001, 2);
+  std::snprintf(stopped.master.state, sizeof stopped.master.state, "stop");
+  EXPECT_EQ(seen(find_wait_state("synchronized"), stopped), "the line is in stop: no slave is asked");
+}
+
 TEST(WaitStates, SayWhatIsTheCase) {
   EXPECT_EQ(seen(find_wait_state("released"), look(0b1011)),
             "slave 1 is held, responds, synchronized; nothing of slaves 3");

@@ -9,6 +9,7 @@
 #include "cli/base/status_refusal.h"
 #include "cli/base/verb_groups.h"
 #include "cli/cansync/fault_words.h"
+#include "cli/cansync/status_lines.h"
 #include "cli/cansync/verbs.h"
 #include "cli/text/column_help.h"
 
@@ -56,13 +57,6 @@ std::string status_text(const client::SlaveStatus& slave, const std::string& fau
   if (slave.status_error != 0) return fmt::format("error 0x{:04X}", slave.status_error);
   if (!slave.status_known) return "-";
   return fmt::format("0x{:04X}{}{}", slave.status_word, fault.empty() ? "" : " ", fault);
-}
-
-/// Without SYNC nobody is asked: what was known of the slaves is past.
-bool asks_slaves(const client::MasterStatus& master) {
-  constexpr std::uint16_t kInSetUp = 0x0043;  // w_OPTION_STATUS
-  constexpr std::uint16_t kInActiveOperation = 0x0080;
-  return master.option_status == kInSetUp || master.option_status == kInActiveOperation;
 }
 
 const char* yes_or_no(bool yes) {
@@ -122,9 +116,11 @@ ExitCode slaves_verb(Session& session, const SlavesOptions& options) {
                     "`cansync mode setup`, then `cansync mode run`",
                     client::text(master.state)));
   std::vector<Style> styles;  // slaves in fault are red where there are colours
+  std::uint32_t untold = wanted;
   FaultWords faults(session);
   for (const client::SlaveStatus& slave : session.client().slaves()) {
     if (((wanted >> slave.slave) & 1u) == 0) continue;
+    untold &= ~(1u << slave.slave);
     if (lacks_status_word(slave))
       refusals.push_back(status_refusal(slave) + "; fix: " + kStatusRefusalRemedy);
     if (const std::string_view held = slave.held_reason; asked && !held.empty())
@@ -138,6 +134,7 @@ ExitCode slaves_verb(Session& session, const SlavesOptions& options) {
     styles.push_back(!fault.empty() || lacks_status_word(slave) ? Style::bad : Style::plain);
     add_slave_row(table, slave, fault, asked);
   }
+  if (untold != 0) refusals.push_back("not told by the daemon yet: slaves " + format_slave_set(untold));
   if (!session.json()) session.output().table(table, styles);
   for (const std::string& refused : refusals) session.output().remark(refused);
   return ExitCode::done;

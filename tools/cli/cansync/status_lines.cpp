@@ -186,4 +186,10 @@ std::vector<Explained> master_lines(const client::MasterStatus& status) {
 const StatusPart kMasterStatusPart = {"cansync-master", lines_of, add_master_members, master_lines_help,
                                       master_summary};
 
+bool asks_slaves(const client::MasterStatus& master) {
+  constexpr std::uint16_t kInSetUp = 0x0043;  // w_OPTION_STATUS
+  constexpr std::uint16_t kInActiveOperation = 0x0080;
+  return master.option_status == kInSetUp || master.option_status == kInActiveOperation;
+}
+
 }  // namespace cansync::cli

@@ -12,4 +12,7 @@ extern const StatusPart kMasterStatusPart;
 /// Its lines of one sample.
 std::vector<Explained> master_lines(const client::MasterStatus& status);
 
+/// Without SYNC nobody is asked: what was known of the slaves is past.
+bool asks_slaves(const client::MasterStatus& master);
+
 }  // namespace cansync::cli

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "cansync/settings/mode.h"
+#include "cli/cansync/status_lines.h"
 #include "cli/text/column_help.h"
 #include "cli/text/values.h"
 #include "cli/text/words.h"
@@ -25,7 +26,8 @@ constexpr std::array<WaitState, 18> kStates = {{
     {"error-warning", Of::controller, "the CAN controller: many errors"},
     {"error-passive", Of::controller, "the CAN controller: too many errors"},
     {"bus-off", Of::controller, "the CAN controller: takes no part in the bus"},
-    {"responding", Of::slaves, "slaves: they answer, RESPONDS in `slaves`"},
+    {"responding", Of::slaves,
+     "slaves, as all below in setup or run only: they answer, RESPONDS in `slaves`"},
     {"synchronized", Of::slaves, "slaves: they have locked to SYNC, SYNCHRONIZED in `slaves`"},
     {"absent", Of::slaves, "slaves, here and below STATE in `slaves`: never answered"},
     {"starting", Of::slaves, "slaves: answer for the first time"},
@@ -51,6 +53,8 @@ bool slave_is_in(std::string_view name, const client::SlaveStatus& slave) {
 }
 
 std::string slaves_seen(const WaitState& state, const WaitLook& now) {
+  if (!asks_slaves(now.master))
+    return fmt::format("the line is in {}: no slave is asked", client::text(now.master.state));
   std::string text;
   std::uint32_t known = 0;
   for (const client::SlaveStatus& slave : now.slaves) {
@@ -108,6 +112,7 @@ bool is_reached(const WaitState& state, const WaitLook& now) {
     case Of::slaves:
       break;
   }
+  if (!asks_slaves(now.master)) return false;
   std::uint32_t in_state = 0;
   for (const client::SlaveStatus& slave : now.slaves)
     if (slave_is_in(state.name, slave)) in_state |= 1u << slave.slave;

@@ -36,7 +36,7 @@ std::string wait_state_words();
 /// All names with what they mean, for the verb's help.
 std::string wait_states_help();
 
-/// Is the state reached? Of slaves: every wanted one is known and in it, and there is one.
+/// Is the state reached? Of slaves: they are asked, every wanted one is known and in it, and there is one.
 bool is_reached(const WaitState& state, const WaitLook& now);
 
 /// In words what is the case now, of what the state is about.
