@@ -97,6 +97,22 @@ TEST(Doctor, AnIdentityThatEndsSoonIsAWarningAndAnEndedOneAnError) {
   EXPECT_EQ(find(diagnose(in), "identity"), nullptr);
 }
 
+TEST(Doctor, ASlaveOfWhichNothingIsToldYetIsNoneThatAnswers) {
+  DoctorInput in = healthy();
+  in.status->master->slaves_configured = 0b11;
+  const auto without = diagnose(in);
+  const Finding* found = find(without, "slaves");
+  ASSERT_NE(found, nullptr);
+  EXPECT_EQ(found->level, Level::warning);
+  EXPECT_EQ(found->found, "the daemon has told of 1 of the 2 configured slaves");
+  client::SlaveStatus second = first_slave(in);
+  second.slave = 1;
+  in.status->slaves.push_back(second);
+  const auto again = diagnose(in);
+  ASSERT_NE(find(again, "slaves"), nullptr);
+  EXPECT_EQ(find(again, "slaves")->level, Level::ok) << "as `doctor` called again finds it";
+}
+
 TEST(Doctor, ASlaveThatRefusesItsStatusWordIsAnErrorWithTheSettingThatMendsIt) {
   DoctorInput in = healthy();
   client::SlaveStatus slave = {};

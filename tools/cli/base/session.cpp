@@ -95,14 +95,18 @@ client::Client& Session::client() {
     } catch (const client::OtherProtocol& error) {
       throw client::NoDaemon(other_protocol_text(globals_, error));
     } catch (const client::NoDaemon& error) {
-      const Retry::Verdict verdict =
-          interrupt_flag().load() ? Retry::Verdict::interrupted : retry_.failed(error.what());
-      if (verdict == Retry::Verdict::over) throw;
-      if (verdict == Retry::Verdict::interrupted) throw Interrupted();
+      if (!try_again(error.what())) throw;
     }
     if (interrupt_flag().load()) throw Interrupted();
   }
   return *client;
+}
+
+bool Session::try_again(std::string_view reason) {
+  const Retry::Verdict verdict =
+      interrupt_flag().load() ? Retry::Verdict::interrupted : retry_.failed(reason);
+  if (verdict == Retry::Verdict::interrupted) throw Interrupted();
+  return verdict == Retry::Verdict::again;
 }
 
 client::Client* Session::look_for_daemon(std::chrono::milliseconds wait) {
@@ -154,7 +158,7 @@ std::uint32_t Session::monitoring_ms() const noexcept {
 
 unsigned Session::slave(std::string_view text) {
   if (looks_like_number(text)) return static_cast<unsigned>(parse_integer(text, "SLAVE", 0, kHighestSlave));
-  static_cast<void>(client().slaves(search_time()));  // the names come with the status of the slaves
+  hold_names();
   const client::SlaveLookup found = client().find_slave(text);
   if (!found.slave) throw UsageError(fmt::format("SLAVE: {}", found.problem));
   return *found.slave;

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "cli/base/exit_codes.h"
+#include "cli/base/held_names.h"
 #include "cli/base/output.h"
 #include "cli/base/retry.h"
 #include "cli/text/values.h"
@@ -108,6 +109,22 @@ class Session {
   std::uint32_t slave_mask(std::string_view list);
   /// Configured name of a slave, empty when it has none.
   std::string slave_name(unsigned slave);
+  /// The status of every configured slave, by rising number. Throws std::runtime_error when the daemon has not told all of
+  /// them within the time of a search, and as `client`.
+  std::vector<client::SlaveStatus> every_slave();
+
+  // --- What a verb was told by name is looked up once, and a reload of the daemon may give the name to another drive
+  // before the request goes out.
+
+  /// Something is looked up by name: from now on `ask`, `settle` and `for_each` send nothing when names mean something
+  /// else. `slave`, `slaves` and the like do it for the names of slaves. Throws as `every_slave`.
+  void hold_names();
+  /// What held names mean else by now, in words; empty: nothing, or the daemon is away or has not told all of them.
+  std::string names_changed();
+  /// For a verb that goes on for long: calls `look_up` when held names mean something else, and says so unless `quiet`.
+  /// False: not now, since they are just being changed and `look_up` found none; then try again soon. Throws what
+  /// `look_up` throws when that lasts.
+  bool follow_names(const std::function<void()>& look_up, bool quiet = false);
   /// The file that a slave's part of a verb reads or writes: `pattern` with {slave} and {name} filled in.
   /// Throws UsageError when there are several slaves and it has neither.
   std::vector<std::string> files(std::string_view pattern, const std::vector<unsigned>& slaves);
@@ -129,6 +146,9 @@ class Session {
   /// for one that is not configured.
   std::uint32_t configured_slaves(const std::vector<std::string>& texts);
 
+  /// No daemon was there: true after a pause when `--retry` allows another look. Throws Interrupted.
+  bool try_again(std::string_view reason);
+
   /// Waits for a request's reply; Ctrl-C cancels it on the bus.
   template <class R>
   R wait(const client::Job<R>& job, const client::OnProgress& on_progress = {}) const;
@@ -137,12 +157,16 @@ class Session {
   /// changes nothing twice (worth_repeating). `submit` gives a job each time.
   template <class Submit>
   auto ask(Effect effect, const Submit& submit, const client::OnProgress& on_progress = {}) {
+    expect_names();
     return settle(wait(submit(), on_progress), effect, submit, on_progress);
   }
   /// The same when the first reply is there already.
   template <class R, class Submit>
   R settle(R reply, Effect effect, const Submit& submit, const client::OnProgress& on_progress = {}) {
-    while (again(effect, reply)) reply = wait(submit(), on_progress);
+    while (again(effect, reply)) {
+      expect_names();
+      reply = wait(submit(), on_progress);
+    }
     return reply;
   }
 
@@ -160,6 +184,10 @@ class Session {
   bool again(Effect effect, client::Reply& reply);
   /// Throws UsageError unless all of them are configured.
   void expect_configured(std::uint32_t slaves);
+  /// As HeldNames::change_to; nothing: the daemon is away, or has not told all slaves within `time`.
+  std::optional<std::string> change_of_names(std::chrono::milliseconds time);
+  /// Throws Ended when held names mean something else.
+  void expect_names();
 
   Globals globals_;
   Output& output_;
@@ -169,6 +197,9 @@ class Session {
   bool looks_ = false;
   bool fresh_ = true;  ///< the connection was not looked at by this session yet
   bool several_ = false;
+  std::optional<HeldNames> held_;
+  /// Names are being changed since then.
+  std::optional<std::chrono::steady_clock::time_point> unsettled_since_;
 };
 
 /// "bus mill is served as layer2; `read` needs cansync-master".

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "cli/base/consent.h"
@@ -47,10 +48,19 @@ std::vector<Mapped> find(Session& session, const std::string& target) {
   if (target == kReferences) return found;
   const std::uint32_t wanted =
       session.configured_slaves(target.empty() ? std::vector<std::string>{} : std::vector{target});
-  for (const client::SlaveStatus& slave : client.slaves())
+  for (const client::SlaveStatus& slave : session.every_slave())
     if (((wanted >> slave.slave) & 1u) != 0) found.push_back(actuals_of(slave));
-  if (found.empty()) throw std::runtime_error("the daemon has not told this slave's mapping yet; try again");
   return found;
+}
+
+/// The mapping with these words in one telegram, and in the other what is in force now.
+client::MappingBytes with_words(Session& session, const Mapped& mapped, std::size_t telegram) {
+  const std::vector<Mapped> now =
+      find(session, mapped.slave ? fmt::format("{}", *mapped.slave) : std::string(kReferences));
+  client::MappingBytes bytes = now.front().bytes;
+  const auto first = static_cast<std::ptrdiff_t>(telegram * kWords);
+  std::copy_n(mapped.bytes.begin() + first, kWords, bytes.begin() + first);
+  return bytes;
 }
 
 std::string owner(const Mapped& mapped) {
@@ -127,6 +137,7 @@ ExitCode map_verb(Session& session, const MapTexts& texts) {
   if (texts.words.empty() || texts.words.size() > kWords)
     throw UsageError(fmt::format("WORD: found {}; allowed: 1..4 (- for an unused one)",
                                  text::counted(texts.words.size(), "word")));
+  session.hold_names();  // those of the values
   std::vector<Mapped> all = find(session, texts.target);
   std::vector<unsigned> slaves;
   for (Mapped& mapped : all) {
@@ -140,8 +151,9 @@ ExitCode map_verb(Session& session, const MapTexts& texts) {
   return session.for_each(
       slaves,
       [&](std::size_t index) {
-        const Mapped& mapped = all[index];
+        Mapped& mapped = all[index];
         const client::CommandReply reply = session.ask(Effect::changes, [&] {
+          mapped.bytes = with_words(session, mapped, telegram);
           return mapped.slave ? client.map_actuals(*mapped.slave, mapped.bytes)
                               : client.map_references(mapped.bytes);
         });

@@ -44,10 +44,9 @@ profile::NamedProfile profile_of_daemon(Session& session, const client::SlaveSta
   } catch (const client::NoDaemon&) {
     return {nullptr, "and no daemon is there that could pass it on"};
   }
+  if (!file) return {nullptr, "and the daemon passes none on"};
   profile::NamedProfile passed_on;
-  if (!file) {
-    passed_on.problem = "and the daemon passes none on";
-  } else if (file->text.empty()) {
+  if (file->text.empty()) {
     passed_on.problem = fmt::format("and the daemon passes on no file of more than {}, this one has {}",
                                     text::counted(profile::kLongestSource, "byte"), file->size);
   } else {
@@ -84,7 +83,8 @@ ProfilePointer load_profile(const std::string& name_or_path, const std::string& 
 SlaveProfile find_profile(Session& session, unsigned slave, const std::string& given) {
   if (!given.empty())
     return told(session.output(), slave_profile(profile::load_typed(given, session.profiles())));
-  for (const client::SlaveStatus& status : session.client().slaves()) {
+  session.hold_names();
+  for (const client::SlaveStatus& status : session.every_slave()) {
     if (status.slave != slave) continue;
     if (!std::string_view(status.profile).empty())
       return told(session.output(), named_profile(session, status, session.profiles()));

@@ -194,16 +194,30 @@ class Complaints {
   client::Subscription subscription_;  // last: its callback uses what stands above
 };
 
-/// Writes one sample of each telegram that has values; empty, or what failed.
-std::string write_once(client::ReferenceWriter& writer, const Telegrams& telegrams, std::uint32_t release) {
+/// What became of one sample of each telegram.
+struct Turn {
+  std::string problem;       ///< what failed first, but for a telegram that another writer has
+  bool waits = false;        ///< another writer has one
+  std::uint64_t values = 0;  ///< that were written
+};
+
+/// Writes one sample of each telegram that has values, also when the other one fails.
+Turn write_once(client::ReferenceWriter& writer, const Telegrams& telegrams, std::uint32_t release) {
+  Turn turn;
   std::uint8_t number = 0;
   for (const TelegramToSet& telegram : telegrams) {
     ++number;
     if (telegram.valid == 0) continue;
     std::string problem = writer.write(number, telegram.value, telegram.valid, release);
-    if (!problem.empty()) return problem;
+    if (problem.empty()) {
+      turn.values += static_cast<std::uint64_t>(std::popcount(telegram.valid));
+    } else if (writer.waits()) {
+      turn.waits = true;
+    } else if (turn.problem.empty()) {
+      turn.problem = std::move(problem);
+    }
   }
-  return {};
+  return turn;
 }
 
 void give_up(client::ReferenceWriter& writer, const Telegrams& telegrams) {
@@ -212,14 +226,6 @@ void give_up(client::ReferenceWriter& writer, const Telegrams& telegrams) {
     ++number;
     if (telegram.valid != 0) writer.release(number);
   }
-}
-
-/// How many values a sample of all telegrams has.
-std::uint64_t values_of(const Telegrams& telegrams) {
-  std::uint64_t values = 0;
-  for (const TelegramToSet& telegram : telegrams)
-    values += static_cast<std::uint64_t>(std::popcount(telegram.valid));
-  return values;
 }
 
 /// "telegram 1", "telegrams 1 and 2".
@@ -296,21 +302,23 @@ ExitCode stream(Session& session, const Telegrams& telegrams, const client::Vali
       pace.seconds ? start + std::chrono::duration_cast<Clock::duration>(length) : Clock::time_point::max();
   client::Reply reply{client::ReplyCode::done, ""};
   std::uint64_t samples = 0;
+  std::uint64_t values = 0;
   for (auto next = start; next < end;) {
-    std::string problem = write_once(writer, telegrams, pace.release);
+    Turn turn = write_once(writer, telegrams, pace.release);
     if (const auto standing = writer.standing(); standing != client::ReferenceStanding::current) {
       const std::string several = client.several_daemons();
       reply = several.empty() ? ended(standing) : client::Reply{client::ReplyCode::no_reply, several};
       break;
     }
-    if (problem.empty() && !client.daemon_present()) problem = "the daemon has gone (" + client.place() + ")";
-    // A stronger writer has come, and may go again.
-    const bool waits = writer.waits();
-    if (!problem.empty() && !waits && !just_continued()) {
-      reply = {client::ReplyCode::no_reply, problem};
+    // A stronger writer that has come may go again.
+    if (turn.problem.empty() && !turn.waits && !client.daemon_present())
+      turn.problem = "the daemon has gone (" + client.place() + ")";
+    if (!turn.problem.empty() && !just_continued()) {
+      reply = {client::ReplyCode::no_reply, turn.problem};
       break;
     }
-    if (problem.empty()) ++samples;
+    if (turn.values != 0) ++samples;
+    values += turn.values;
     if (Clock::now() >= start + kWordOfDaemon) look();
     complaints.tell(session.output());
     // A late turn is not caught up.
@@ -329,10 +337,10 @@ ExitCode stream(Session& session, const Telegrams& telegrams, const client::Vali
     if (session.json()) session.output().object(no_effect_object(samples, pace.release, reason));
     throw Ended(ExitCode::no_effect, fmt::format("set: the values had no effect: {}", reason));
   }
-  return session.finish(
-      reply, JsonObject().add("samples", samples).add("release_intervals", pace.release), "set",
-      fmt::format("sent {} to {}; released", text::counted(samples * values_of(telegrams), "reference value"),
-                  telegrams_text(telegrams)));
+  return session.finish(reply, JsonObject().add("samples", samples).add("release_intervals", pace.release),
+                        "set",
+                        fmt::format("sent {} to {}; released", text::counted(values, "reference value"),
+                                    telegrams_text(telegrams)));
 }
 
 ExitCode set_verb(Session& session, const SetTexts& texts) {

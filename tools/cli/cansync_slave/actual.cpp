@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "cansync_slave/client/release_writer.h"
+#include "cli/base/endings.h"
 #include "cli/base/interrupt.h"
 #include "cli/cansync_slave/verbs.h"
 #include "cli/connect/bus_verb.h"
@@ -84,36 +85,53 @@ ReleasePace parse_release_pace(const ActualTexts& texts, std::uint64_t interval_
   return pace;
 }
 
-/// Releases the values of each telegram that has some; empty, or why it did not go.
-std::string release_once(ReleaseWriter& writer, const std::array<TelegramToRelease, 2>& telegrams,
-                         std::uint32_t wait) {
+/// What became of one release of each telegram.
+struct Turn {
+  std::string problem;  ///< what failed first, but for a telegram that another writer has
+  std::string waits;    ///< who has one; empty: nobody
+  bool released = false;
+};
+
+/// Releases the values of each telegram that has some, also when the other one fails.
+Turn release_once(ReleaseWriter& writer, const std::array<TelegramToRelease, 2>& telegrams,
+                  std::uint32_t wait) {
+  Turn turn;
   for (const std::uint8_t number : {std::uint8_t{1}, std::uint8_t{2}}) {
     const TelegramToRelease& telegram = telegrams[number - 1u];
     if (telegram.valid == 0) continue;
-    if (std::string problem = writer.write(number, telegram.raw, telegram.valid, wait); !problem.empty())
-      return problem;
+    std::string problem = writer.write(number, telegram.raw, telegram.valid, wait);
+    if (problem.empty()) {
+      turn.released = true;
+      continue;
+    }
+    std::string& first = writer.waits() ? turn.waits : turn.problem;
+    if (first.empty()) first = std::move(problem);
   }
-  return {};
+  return turn;
 }
 
-/// Releases until the time is over or Ctrl-C came.
-client::Reply stream_actual(SlaveClient& client, ReleaseWriter& writer,
+/// Releases until the time is over or Ctrl-C came; waits, and says so once, while another writer has a telegram.
+client::Reply stream_actual(Output& output, SlaveClient& client, ReleaseWriter& writer,
                             const std::array<TelegramToRelease, 2>& telegrams, const ReleasePace& pace,
                             std::uint64_t& samples) {
   const auto start = Clock::now();
   const auto length = std::chrono::duration<double>(pace.seconds.value_or(0.0));
   const auto end =
       pace.seconds ? start + std::chrono::duration_cast<Clock::duration>(length) : Clock::time_point::max();
+  std::string told;
   for (auto next = start; next < end;) {
     (void)client.receive(std::chrono::milliseconds(0), {});
     if (writer.daemon_restarted())
       return {client::ReplyCode::no_reply,
               "the daemon was started anew: no value is released to it; look at the line, then call `cansync "
               "actual` again"};
-    std::string problem = client.daemon_present() ? release_once(writer, telegrams, pace.wait)
-                                                  : "the daemon has gone (" + client.place() + ")";
-    if (!problem.empty() && !just_continued()) return {client::ReplyCode::no_reply, std::move(problem)};
-    if (problem.empty()) ++samples;
+    Turn turn = client.daemon_present() ? release_once(writer, telegrams, pace.wait)
+                                        : Turn{"the daemon has gone (" + client.place() + ")", "", false};
+    if (!turn.problem.empty() && !just_continued())
+      return {client::ReplyCode::no_reply, std::move(turn.problem)};
+    if (turn.waits != told && !turn.waits.empty()) output.remark(turn.waits);
+    told = std::move(turn.waits);
+    if (turn.released) ++samples;
     next = std::max(next + pace.period, Clock::now());  // a late turn is not caught up
     if (wait_until(std::min(next, end))) break;
   }
@@ -131,7 +149,18 @@ ExitCode actual_verb(Session& session, const ActualTexts& texts) {
     session.output().remark("the slave is not synchronized: nothing is sent until it is");
   std::uint64_t samples = 0;
   ReleaseWriter writer(client, strength);
-  const client::Reply reply = stream_actual(client, writer, telegrams, pace, samples);
+  const client::Reply reply = stream_actual(session.output(), client, writer, telegrams, pace, samples);
+  if (reply.ok() && samples == 0) {
+    constexpr std::string_view kNothing = "not one value was released: another program has the telegrams";
+    if (session.json())
+      session.output().object(JsonObject()
+                                  .add("samples", samples)
+                                  .add("wait_intervals", pace.wait)
+                                  .add("result", "no_effect")
+                                  .add("reason", kNothing)
+                                  .add_null("cause"));
+    throw Ended(ExitCode::no_effect, fmt::format("actual: {}", kNothing));
+  }
   return session.finish(
       reply, JsonObject().add("samples", samples).add("wait_intervals", pace.wait), "actual",
       fmt::format("values were released {} and are given up", text::counted(samples, "time")));

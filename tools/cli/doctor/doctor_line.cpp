@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <bit>
 #include <iterator>
 #include <optional>
 #include <string>
@@ -154,6 +155,14 @@ void look_at_slaves(const DaemonStatus& status, FindingList& out) {
            "with the drive's control word: cansync control {slaves} WORD"});
       well = false;
     }
+  }
+  if (const auto configured = static_cast<std::size_t>(std::popcount(master.slaves_configured));
+      status.slaves.size() < configured) {
+    out.warning("slaves",
+                fmt::format("the daemon has told of {} of the {} configured slaves", status.slaves.size(),
+                            configured),
+                "call cansync doctor again; cansync slaves names those that are missing");
+    well = false;
   }
   if (well) out.ok("slaves", fmt::format("all {} answer and are synchronized", status.slaves.size()));
 }

@@ -106,12 +106,24 @@ void EventLines::show(const client::Event& event) {
                       event_style(event.severity)));
 }
 
-/// Events on their way from the client's thread to this one.
+/// Events on their way from the client's thread to this one. While nobody takes them, as when a pager stands still, the
+/// newest are kept.
 class EventQueue {
  public:
+  static constexpr std::size_t kMost = 10000;
+
   void put(const client::Event& event) {
     const std::lock_guard lock(mutex_);
+    if (events_.size() == kMost) {
+      events_.pop_front();
+      ++dropped_;
+    }
     events_.push_back(event);
+  }
+  /// Those that were dropped since the last call.
+  std::uint64_t take_dropped() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(dropped_, 0);
   }
   std::deque<client::Event> take_all() {
     const std::lock_guard lock(mutex_);
@@ -121,9 +133,10 @@ class EventQueue {
  private:
   std::mutex mutex_;
   std::deque<client::Event> events_;
+  std::uint64_t dropped_ = 0;
 };
 
-ExitCode follow(Session& session, const EventFilter& filter) {
+ExitCode follow(Session& session, EventFilter filter, const std::string& slaves) {
   client::Client& client = session.client();
   EventQueue queue;
   EventLines lines(session.output());
@@ -133,6 +146,11 @@ ExitCode follow(Session& session, const EventFilter& filter) {
     const bool stop = wait_until(std::chrono::steady_clock::now() + kLook);
     if (restarts.take()) session.output().remark(kStartedAnew);
     restarts.expect_one();
+    if (!slaves.empty() && !restarts.gone())
+      (void)session.follow_names([&] { filter.slaves = session.slave_mask(slaves); });
+    if (const std::uint64_t dropped = queue.take_dropped(); dropped != 0)
+      session.output().remark(
+          fmt::format("{} left out: they came faster than they were read", text::counted(dropped, "event")));
     auto events = queue.take_all();
     // Those of before come level by level.
     std::sort(events.begin(), events.end(), [](const client::Event& one, const client::Event& other) {
@@ -174,7 +192,7 @@ void tell_none_passes(Output& output, const std::vector<client::Event>& events) 
 ExitCode events_verb(Session& session, const EventTexts& texts) {
   session.look_only();
   const EventFilter filter = event_filter(session, texts);
-  if (texts.following) return follow(session, filter);
+  if (texts.following) return follow(session, filter, texts.slaves);
   EventLines lines(session.output());
   const std::vector<client::Event> events = session.client().recent_events();
   bool any = false;

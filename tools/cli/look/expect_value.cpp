@@ -112,9 +112,14 @@ Judgement judge(const Sought& sought, const Wanted& wanted, const client::Parame
 
 ExitCode expect_parameter(Session& session, const Expectation& expected) {
   constexpr auto kPause = std::chrono::milliseconds(100);  // leaves the command channel to others
-  const Sought sought = find_sought(session, expected.wanted);
+  Sought sought = find_sought(session, expected.wanted);
   const auto end = end_of(expected.within.value_or(0.0));
   while (true) {
+    if (!session.follow_names([&] { sought = find_sought(session, expected.wanted); })) {
+      if (wait_until(Clock::now() + kPause))
+        return unmet(session, expected, "its name is being changed", ExitCode::failed);
+      continue;
+    }
     const client::ParameterReply reply =
         session.ask(Effect::reads, [&] { return session.client().submit(sought.job); });
     const Judgement judged = judge(sought, expected.wanted, reply);

@@ -14,6 +14,7 @@
 #include "cli/look/verbs.h"
 #include "cli/text/column_help.h"
 #include "cli/text/slave_list.h"
+#include "cli/text/values.h"
 
 namespace cansync::cli {
 namespace {
@@ -108,7 +109,6 @@ class Wait {
       return wants_none && !interrupt_flag().load();
     }
     if (state_.of == WaitState::Of::daemon) return true;
-    knows_slaves_ = false;
     Changes changes(*client, state_.of);
     Restarts restarts(*client);
     for (;;) {
@@ -116,10 +116,7 @@ class Wait {
         seen_ = "no daemon";
         return wants_none && !interrupt_flag().load();
       }
-      if (restarts.take()) {
-        session_.output().remark(kStartedAnew);
-        knows_slaves_ = false;
-      }
+      if (restarts.take()) session_.output().remark(kStartedAnew);
       restarts.expect_one();
       if (const auto now = look_at(*client)) {
         seen_ = seen(state_, *now);
@@ -130,12 +127,13 @@ class Wait {
     }
   }
 
-  /// Nothing: the daemon has just gone.
+  /// Nothing: the daemon has just gone, or names are being exchanged.
   std::optional<WaitLook> look_at(const client::Client& client) {
     WaitLook now{};
     try {
       now.wanted = slaves_meant();
-      if (state_.of == WaitState::Of::master) now.master = client.master_status();
+      if (state_.of == WaitState::Of::master || state_.of == WaitState::Of::slaves)
+        now.master = client.master_status();
       if (state_.of == WaitState::Of::slaves) now.slaves = client.slaves(std::chrono::milliseconds(0));
       if (state_.of == WaitState::Of::controller)
         now.controller = client::text(client.bus_status().controller_state);
@@ -143,15 +141,23 @@ class Wait {
       throw;
     } catch (const client::NoDaemon&) {
       return std::nullopt;
+    } catch (const UsageError& error) {
+      constexpr std::chrono::seconds kExchange(2);
+      if (mask_ == 0 || Clock::now() >= named_ + kExchange) throw;
+      seen_ = error.what();
+      return std::nullopt;
     }
     return now;
   }
 
-  /// Those that are named keep their numbers as long as the daemon runs; all are those that are configured now.
+  /// Those that bear the names now: a reload gives them to others. Throws UsageError for a name that none or two bear.
   std::uint32_t slaves_meant() {
     if (state_.of != WaitState::Of::slaves) return 0;
-    if (!knows_slaves_ || texts_.slaves.empty()) mask_ = session_.configured_slaves(texts_.slaves);
-    knows_slaves_ = true;
+    const std::uint32_t mask = session_.configured_slaves(texts_.slaves);
+    if (mask_ != 0 && mask != mask_ && !texts_.slaves.empty())
+      session_.output().remark("the names mean other slaves now: " + format_slave_set(mask));
+    mask_ = mask;
+    named_ = Clock::now();
     return mask_;
   }
 
@@ -165,8 +171,8 @@ class Wait {
   const WaitState& state_;
   Clock::time_point start_;
   Clock::time_point end_ = Clock::time_point::max();
-  std::uint32_t mask_ = 0;
-  bool knows_slaves_ = false;
+  std::uint32_t mask_ = 0;   ///< 0: not looked up yet
+  Clock::time_point named_;  ///< when it was looked up last
   std::string seen_ = "nothing";
 };
 

@@ -76,6 +76,15 @@ bool is_number_list(std::string_view text) noexcept {
   }
 }
 
+bool names_all(std::string_view text) noexcept {
+  for (;;) {
+    const auto comma = text.find(',');
+    if (text.substr(0, comma) == "all") return true;
+    if (comma == std::string_view::npos) return false;
+    text.remove_prefix(comma + 1);
+  }
+}
+
 void check_slave_list(std::string_view text) {
   for (const std::string_view item : items_of(text))
     if (looks_like_number(item)) static_cast<void>(parse_numbers(item));

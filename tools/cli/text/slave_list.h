@@ -25,6 +25,9 @@ struct SlaveDirectory {
 /// they are never names.
 bool is_number_list(std::string_view text) noexcept;
 
+/// Is `all`, every configured slave, in the list?
+bool names_all(std::string_view text) noexcept;
+
 /// Throws UsageError when a number or range of `text` is wrong. Asks for nothing.
 void check_slave_list(std::string_view text);
 

@@ -74,8 +74,10 @@ std::vector<WatchRow> rows_now(Session& session, const LiveSettings& settings, F
   return rows;
 }
 
-/// Lines, or with `in_place` the table drawn over the former one, `count` times or (0) until a signal.
-ExitCode watch_lines(Session& session, const LiveSettings& settings, std::int64_t count, bool in_place) {
+/// Lines, or with `in_place` the table drawn over the former one, `count` times in all or (0) until a signal. Nothing:
+/// names mean something else now.
+std::optional<ExitCode> watch_lines(Session& session, const LiveSettings& settings, std::int64_t& shown,
+                                    std::int64_t count, bool in_place) {
   client::Client& client = session.client();
   Display display(session.output(), client.gateway_status().bus, settings.raw, in_place);
   FaultWords faults(session);
@@ -84,7 +86,7 @@ ExitCode watch_lines(Session& session, const LiveSettings& settings, std::int64_
   turns.begin_round();
   turns.await_round(std::chrono::steady_clock::now() + kFirstRound);
   auto next = std::chrono::steady_clock::now();
-  for (std::int64_t shown = 0;;) {
+  while (true) {
     if (restarts.gone()) {
       session.output().remark("the daemon has gone (" + client.place() + ")");
       return ExitCode::not_reachable;
@@ -94,6 +96,7 @@ ExitCode watch_lines(Session& session, const LiveSettings& settings, std::int64_
       session.output().remark(kStartedAnew);
     }
     restarts.expect_one();
+    if (!session.names_changed().empty()) return std::nullopt;
     display.show(client.master_status(), rows_now(session, settings, faults, turns));
     ++shown;
     if (shown == count) return ExitCode::done;
@@ -117,18 +120,28 @@ ExitCode watch_verb(Session& session, const WatchTexts& texts) {
   constexpr std::int64_t kLongest = 3'600'000;
   const auto interval = std::chrono::milliseconds(parse_integer(texts.interval, "--interval", 1, kLongest));
   const std::int64_t count = parse_integer(texts.count, "--count", 0, 1'000'000'000);
-  const bool every_slave = texts.slaves.empty();
-  const std::uint32_t slaves = session.configured_slaves(texts.slaves);
-  const LiveSettings settings{slaves, every_slave, interval, texts.raw,
-                              find_watched(session, texts.parameters, slaves, !every_slave)};
+  LiveSettings settings;
+  const auto look_up = [&] {
+    const bool every_slave = texts.slaves.empty();
+    const std::uint32_t slaves = session.configured_slaves(texts.slaves);
+    settings = {slaves, every_slave, interval, texts.raw,
+                find_watched(session, texts.parameters, slaves, !every_slave)};
+  };
+  look_up();
   await_values(session.client(), settings.slaves);
   Output& output = session.output();
   const bool drawable = !texts.plain && !session.json() && output.data_on_terminal() && terminal_draws();
-  if (drawable && count == 0 && full_screen_possible()) {
-    if (const auto screen = take_screen(output)) return watch_live(session, *screen, settings);
-    return watch_lines(session, settings, count, false);
+  const bool live = drawable && count == 0 && full_screen_possible();
+  const std::unique_ptr<LiveScreen> screen = live ? take_screen(output) : nullptr;
+  for (std::int64_t shown = 0;;) {
+    const std::optional<ExitCode> ended =
+        screen ? watch_live(session, *screen, settings)
+               : watch_lines(session, settings, shown, count, drawable && !live);
+    if (ended) return *ended;
+    constexpr std::chrono::milliseconds kLook(100);
+    while (!session.follow_names(look_up, screen != nullptr))
+      if (wait_until(std::chrono::steady_clock::now() + kLook)) return ExitCode::done;
   }
-  return watch_lines(session, settings, count, drawable);
 }
 
 }  // namespace

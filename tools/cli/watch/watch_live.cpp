@@ -132,12 +132,13 @@ class LiveView {
 
 }  // namespace
 
-ExitCode watch_live(Session& session, LiveScreen& screen, const LiveSettings& settings) {
+std::optional<ExitCode> watch_live(Session& session, LiveScreen& screen, const LiveSettings& settings) {
   LiveView view(session, session.client(), screen, settings);
   auto next = Clock::now();
   bool changed = true;
   while (!view.quit() && !interrupt_flag().load()) {
     if (Clock::now() >= next) {
+      if (!session.names_changed().empty()) return std::nullopt;
       view.look();
       next = std::max(next + settings.interval, Clock::now());
       changed = true;

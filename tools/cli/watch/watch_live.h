@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,8 +23,8 @@ struct LiveSettings {
   std::vector<WatchedSlave> parameters = {};  ///< read in turn
 };
 
-/// Shows the line until q or a signal. When the daemon goes away it says so and goes on looking; ended then,
+/// Shows the line until q or a signal; nothing: names mean something else now. When the daemon goes away it says so and goes on looking; ended then,
 /// the result is `not_reachable`. Throws std::runtime_error when the terminal goes away.
-ExitCode watch_live(Session& session, LiveScreen& screen, const LiveSettings& settings);
+std::optional<ExitCode> watch_live(Session& session, LiveScreen& screen, const LiveSettings& settings);
 
 }  // namespace cansync::cli

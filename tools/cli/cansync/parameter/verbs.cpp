@@ -13,6 +13,7 @@
 #include "cli/cansync/parameter/parameter_answer.h"
 #include "cli/cansync/parameter/parameter_request.h"
 #include "cli/text/column_help.h"
+#include "cli/text/slave_list.h"
 #include "profile/scaling.h"
 #include "text/counts.h"
 
@@ -114,12 +115,15 @@ Round read_round(Session& session, const std::vector<Readings>& slaves, Table& t
 }
 
 /// Rounds until there were `count` of them, or (0) Ctrl-C, which is their end and no failure.
-ExitCode read_rounds(Session& session, const std::vector<Readings>& slaves, std::chrono::nanoseconds every,
-                     std::int64_t count) {
+ExitCode read_rounds(Session& session, const ReadOptions& options, std::vector<Readings> slaves,
+                     std::chrono::nanoseconds every, std::int64_t count) {
   ExitCode first = ExitCode::done;
   std::chrono::steady_clock::time_point next;
   Table table(reading_columns(true));
   for (std::int64_t round = 1;; ++round) {
+    constexpr std::chrono::milliseconds kLook(100);
+    while (!session.follow_names([&] { slaves = parse_readings(session, options); }))
+      if (wait_until(std::chrono::steady_clock::now() + kLook)) return first;
     const auto [code, begin] = read_round(session, slaves, table, true);
     if (round == 1) next = begin;
     show_round(session, table, round == 1);
@@ -144,7 +148,7 @@ ExitCode read_verb(Session& session, const ReadOptions& options) {
     every = std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(seconds));
   }
   const std::vector<Readings> slaves = parse_readings(session, options);
-  if (!options.every.empty()) return read_rounds(session, slaves, every, count);
+  if (!options.every.empty()) return read_rounds(session, options, slaves, every, count);
   Table table(reading_columns(false));
   const ExitCode code = read_round(session, slaves, table, false).code;
   if (!table.lines().empty()) show_round(session, table, true);
@@ -200,7 +204,7 @@ ExitCode write_one(Session& session, KnownRequest request, const std::string& va
 ExitCode write_verb(Session& session, const ParameterOptions& options) {
   const std::string what =
       fmt::format("write {}: {} into parameter {} of ", options.slave, options.value, options.parameter);
-  if (options.slave == "all" && !options.consent.dry_run)
+  if (names_all(options.slave) && !options.consent.dry_run)
     ask_consent(session, options.consent, what + "every configured slave");
   const client::ParameterFormat typed = parse_format(options.format);
   // Told before anything is sent; with `auto` a doubleword is the widest the slave can have.
