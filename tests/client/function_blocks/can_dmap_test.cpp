@@ -151,6 +151,24 @@ TEST_F(CanDmap, L50OneAfterTheOther) {
   EXPECT_NE(connection.write_outputs(0, {}), "") << "there is none";
 }
 
+// The daemon keeps what it had when it refuses another: it would send its outputs for ever.
+TEST_F(CanDmap, L57OneBeforeARefusedOneEndsWithCanCfgToo) {
+  ASSERT_EQ(with({{.MsgID = 0x301}}), can_status::done);
+  (void)sections(1);
+  ASSERT_TRUE(call_until(state, [&] { return mapping.open() == 0; }));
+  daemon->answers = false;
+  ASSERT_EQ(with({{.MsgID = 0x302}}), can_status::done);
+  (void)sections(2);
+  daemon->reply(daemon->controls[1], gateway_REPLY_REFUSED, "no");
+  ASSERT_TRUE(call_until(state, [&] { return mapping.open() == 0; }));
+  EXPECT_NE(connection.write_outputs(0, {}), "") << "those of another table";
+  daemon->answers = true;
+  configure.call();
+  EXPECT_EQ(sections(3), "[mapping]\n");
+  ASSERT_EQ(with({{.MsgID = 0x303}}), can_status::done);
+  EXPECT_NE(sections(4).find("identifier = 771\n"), std::string::npos);
+}
+
 TEST_F(CanDmap, L56InputsAreThoseOfTheLastCallAndOutputsGoAsAWhole) {
   const std::array<std::uint8_t, 3> bytes = {7, 8, 9};
   EXPECT_NE(connection.write_outputs(0, bytes).find("CAN_DMAP"), std::string::npos);

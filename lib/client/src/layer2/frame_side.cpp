@@ -40,7 +40,7 @@ FrameSide::FrameSide(const Options& options)
 }
 
 FrameSide::~FrameSide() {
-  if (!mapped_ || !client_.daemon_present()) return;
+  if ((!mapped_ && !in_force_) || !client_.daemon_present()) return;
   routines_.clear();  // what they use of the program may be gone
   try {
     bool over = false;
@@ -70,7 +70,7 @@ void FrameSide::look() {
     queues_.clear();  // what was meant for the daemon before is not sent by the next one
     basic_.clear_sending();
     objects_.daemon_restarted();
-    mapped_ = false;
+    mapped_ = in_force_ = false;
   }
   hand_over();
 }
@@ -167,7 +167,8 @@ void FrameSide::begin_anew(const Beginning& beginning) {
   beginning_ = beginning;
   basic_.remove();
   objects_.take_back();
-  if (mapped_) (void)map({.toml = std::string(kNoMapping), .entries = false, .ended = [](const Result&) {}});
+  if (mapped_ || in_force_)
+    (void)map({.toml = std::string(kNoMapping), .entries = false, .ended = [](const Result&) {}});
 }
 
 void FrameSide::interrupt_of_object(unsigned number, bool transmit) const {
@@ -194,10 +195,11 @@ bool FrameSide::map(Mapping wanted) {
   std::vector<std::uint8_t> bytes(wanted.toml.begin(), wanted.toml.end());
   request.data._buffer = bytes.data();
   request.data._length = request.data._maximum = static_cast<std::uint32_t>(bytes.size());
-  mapping_under_way_ = control(request, [this, ended = std::move(wanted.ended)](const Result& result) {
-    ended(result);
-    end_mapping(result);
-  });
+  mapping_under_way_ = control(
+      request, [this, entries = wanted.entries, ended = std::move(wanted.ended)](const Result& result) {
+        ended(result);
+        end_mapping(result, entries);
+      });
   mapped_ = mapped_ && mapping_under_way_;
   outputs_.reset();
   if (!mapped_) return mapping_under_way_;
@@ -206,8 +208,12 @@ bool FrameSide::map(Mapping wanted) {
   return true;
 }
 
-void FrameSide::end_mapping(const Result& result) {
+void FrameSide::end_mapping(const Result& result, bool entries) {
   mapping_under_way_ = false;
+  if (result.replied && result.code == gateway_REPLY_DONE)
+    in_force_ = entries;
+  else if (!result.replied)
+    in_force_ |= entries;
   if (next_mapping_) {
     Mapping next = *std::exchange(next_mapping_, std::nullopt);
     const Ended ended = next.ended;

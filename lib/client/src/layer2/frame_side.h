@@ -119,7 +119,8 @@ class FrameSide {
   void hand_over();
   bool begin(const can::Frame& frame, const layer2::client::SendChoice& choice, Ended ended);
   void interrupt_of_object(unsigned number, bool transmit) const;
-  void end_mapping(const Result& result);
+  /// `entries`: the mapping that ends to be asked for had some.
+  void end_mapping(const Result& result, bool entries);
   void note_failure(const Result& result);
   layer2::StatusFacts facts();
 
@@ -128,7 +129,8 @@ class FrameSide {
   ModuleQueues<can::Frame> queues_;
   SaiaQueues basic_;
   DirectAccess objects_;
-  bool mapped_ = false;
+  bool mapped_ = false;    ///< the mapping asked for last is there or under way
+  bool in_force_ = false;  ///< the daemon may have one of this program, and drives outputs by it
   bool mapping_under_way_ = false;
   std::optional<Mapping> next_mapping_;
   std::optional<layer2::client::ImageWriter> outputs_;
