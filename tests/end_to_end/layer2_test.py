@@ -382,6 +382,9 @@ class Frames(DaemonTest):
         result = subprocess.run([CANSYNCD, "--check", self.config], capture_output=True, text=True, timeout=LONG)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn("general frames at 500000 bit/s, 2 ranges received", result.stdout)
+        of_node = subprocess.run([CANSYNCD, "--check", self.config, "--set", "filter.node=5"], capture_output=True, text=True,
+                                 timeout=LONG)
+        self.assertIn("general frames at 500000 bit/s, frames of node 5 received", of_node.stdout)
         with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
             file.write('[bus]\nprotocol = "layer2"\n[[slave]]\nnumber = 1\n')
             file.flush()

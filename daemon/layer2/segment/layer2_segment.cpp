@@ -67,13 +67,23 @@ FrameMachineSettings Layer2Parts::machine_settings(const Layer2Config& config, F
   return settings;
 }
 
+namespace {
+
+/// The ranges do not count beside a filter by node.
+std::string received_text(const Layer2Config& config) {
+  if (config.node_filter != 0) return fmt::format("frames of node {}", config.node_filter);
+  return text::counted(config.receive.size(), "range");
+}
+
+}  // namespace
+
 std::string Layer2Parts::words(const Layer2Config& config) {
-  return fmt::format("general frames, {}", text::counted(config.receive.size(), "range"));
+  return fmt::format("general frames, {}", received_text(config));
 }
 
 std::string Layer2Parts::check_text(const Layer2Config& config) {
   return fmt::format("general frames at {} bit/s, {} received\n", config.bus.bits_per_second,
-                     text::counted(config.receive.size(), "range"));
+                     received_text(config));
 }
 
 const ProtocolInfo layer2_protocol = {kLayer2Protocol, layer2_options, load_for_deadline_segment<Layer2Parts>,
