@@ -54,7 +54,7 @@ void describe(CLI::App& app, Arguments& arguments) {
 }  // namespace
 
 std::variant<Arguments, CommandLineEnd> parse_arguments(int argc, const char* const* argv) {
-  CLI::App app("CANsync master: drives one CANsync bus and offers it on DDS topics.", "cansyncd");
+  CLI::App app("Gateway between CAN buses and DDS topics.", "cansyncd");
   Arguments arguments;
   describe(app, arguments);
   if (auto end = text::read_command_line(app, argc, argv)) return *std::move(end);
