@@ -11,8 +11,11 @@ from line import LONG
 SOON = 0.1  # seconds after which Ctrl-C has ended a wait
 
 
-def seconds_to_end(function, call):
-    """Seconds from Ctrl-C, which comes when the main thread is in `function` of the package, to the end of `call`."""
+def seconds_to_end(function, call, elsewhere=False):
+    """Seconds from Ctrl-C, which comes when the main thread is in `function` of the package, to the end of `call`.
+
+    elsewhere: another thread takes the signal, which then wakes no wait of the main thread
+    """
     sent = []
     over = threading.Event()
 
@@ -25,7 +28,10 @@ def seconds_to_end(function, call):
             if frame is not None:
                 # That this thread runs shows that the one that waits does not hold the interpreter's lock.
                 sent.append(time.monotonic())
-                os.kill(os.getpid(), signal.SIGINT)
+                if elsewhere:
+                    signal.pthread_kill(threading.get_ident(), signal.SIGINT)
+                else:
+                    os.kill(os.getpid(), signal.SIGINT)
                 return
             time.sleep(0.001)
 

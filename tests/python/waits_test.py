@@ -36,8 +36,8 @@ class Waits(unittest.TestCase):
         cls.gateway = cls.enterClassContext(Line())
         cls.line = cls.enterClassContext(cls.gateway.connect())
 
-    def check(self, function, call):
-        took = [seconds_to_end(function, call) for _ in range(TIMES)]
+    def check(self, function, call, elsewhere=False):
+        took = [seconds_to_end(function, call, elsewhere) for _ in range(TIMES)]
         self.assertLess(min(took), SOON, took)
 
     def test_connecting(self):
@@ -56,6 +56,12 @@ class Waits(unittest.TestCase):
         stream = self.line.follow(cansync.Interval)  # which is not switched on
         self.check("get", stream.get)
         self.check("get", lambda: next(stream))
+
+    def test_a_signal_that_another_thread_takes(self):
+        stream = self.line.follow(cansync.Interval)
+        self.check("get", stream.get, elsewhere=True)
+        self.check("result", lambda: self.line.upload(3, 0x1000, 1 << 20), elsewhere=True)
+        self.check("poll", lambda: self.line.slave_status(9, LONG), elsewhere=True)
 
     def test_a_state(self):
         self.check("poll", lambda: self.line.slave_status(9, LONG))

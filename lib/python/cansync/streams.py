@@ -8,7 +8,7 @@ import time
 import typing
 import weakref
 
-from ._link import Link, in_callback, must_not_wait
+from ._link import SLICE, Link, in_callback, must_not_wait
 from ._native import ffi
 from .codes import Code
 from .errors import error_of
@@ -117,7 +117,8 @@ class Stream(typing.Generic[T]):
                 left = None if end is None else end - time.monotonic()
                 if left is not None and left <= 0:
                     raise error_of(Code.TIMEOUT, f"client: nothing came within {timeout} s")
-                self._changed.wait(left)
+                # The interpreter sees a signal that came just before this wait, or to another thread, only after it.
+                self._changed.wait(SLICE if left is None else min(left, SLICE))
             return self._waiting.popleft()
 
     def __iter__(self) -> Stream[T]:
