@@ -402,17 +402,15 @@ class Anew(DaemonTest):
     CONFIG = CONFIG
 
     def test_who_leads_or_holds_hears_of_another_start_of_the_daemon(self):
-        cls = type(self)
         wait_for("a frame is sent", lambda: self.place.run("can", "send", "100#").returncode == 0)
         lead = self.place.start("can", "lead", "anybody")
         holder = self.place.start("can", "image", "write", "0", "AB", "--hold")
         self.addCleanup(lead.kill)
         self.addCleanup(holder.kill)
         wait_for("it is held", lambda: self.one("can", "image")["writer"])
-        cls.daemon.kill()
-        cls.daemon.wait(LONG)
-        with open(self.log, "ab") as log:
-            cls.daemon = subprocess.Popen([CANSYNCD, self.config], stdout=log, stderr=log)
+        self.daemon.kill()
+        self.daemon.wait(LONG)
+        self.start()
         for process, words in ((lead, "it does not know that the module is to run"), (holder, "the image is not held any more")):
             _, said = process.communicate(timeout=LONG)
             self.assertEqual(process.returncode, 6, said)

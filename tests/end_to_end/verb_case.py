@@ -14,6 +14,7 @@ DEVICE_TYPE, CONTROL_WORD, LAST_ACTION = 100, 300, 330
 BUSY, BUSY_REPLIES, NOT_AVAILABLE = 410, 411, 420
 WORD, DOUBLEWORD = 1000, 1020
 ALWAYS_BUSY = 0xFFFF
+LAG, LONGEST_LAG = 400, 10_000
 DATA = 0x100  # first start address of a drive's memory
 
 
@@ -90,9 +91,18 @@ class DaemonTest(unittest.TestCase):
         for name, content in files.items():
             with open(os.path.join(cls.folder, name), "w", encoding="utf-8") as file:
                 file.write(content)
-        with open(cls.log, "wb") as log:
-            cls.daemon = subprocess.Popen([CANSYNCD, cls.config], stdout=log, stderr=log)
+        cls.start()
         cls.addClassCleanup(lambda: end(cls.daemon))
+
+    @classmethod
+    def start(cls):
+        with open(cls.log, "ab") as log:
+            cls.daemon = subprocess.Popen([CANSYNCD, cls.config], stdout=log, stderr=log)
+
+    @classmethod
+    def restart(cls):
+        end(cls.daemon)
+        cls.start()
 
     def json(self, *arguments, code=0):
         result = self.place.run(*arguments, "--json")

@@ -5,7 +5,8 @@ import os
 import tempfile
 import unittest
 
-from verb_case import ALWAYS_BUSY, BUSY, BUSY_REPLIES, DATA, DEVICE_TYPE, DOUBLEWORD, NOT_AVAILABLE, WORD, VerbTest
+from gateway import wait_for
+from verb_case import ALWAYS_BUSY, BUSY, BUSY_REPLIES, DATA, DEVICE_TYPE, DOUBLEWORD, LAG, LONGEST_LAG, NOT_AVAILABLE, WORD, VerbTest
 
 
 class Parameters(VerbTest):
@@ -88,6 +89,24 @@ class Parameters(VerbTest):
         self.assertEqual(ended["result"], "no_answer")
         self.assertIn("the slave has taken the value", ended["reason"])
         self.gateway.wait_status("no job is open", lambda status: status["open_parameter_jobs"] == 0)
+
+    def failed_writes(self):
+        return [event["text"] for event in self.json("events") if event["code"] == "request_failed"]
+
+    def test_what_is_to_be_done_after_a_write_that_failed(self):
+        before = len(self.failed_writes())
+        self.run_verb("write", 3, BUSY_REPLIES, ALWAYS_BUSY)
+        self.assertEqual(self.one("write", 3, BUSY, 21, "--format", "word", "--timeout", 0.3, code=5)["result"], "timeout")
+        self.run_verb("write", 3, BUSY_REPLIES, 0)
+        self.assertEqual(self.one("read", 3, BUSY)["value"], BUSY, "the drive has not got it")
+        self.run_verb("write", 3, BUSY, 21)
+        self.addCleanup(self.run_verb, "write", 3, BUSY, BUSY)
+        self.assertEqual(self.one("read", 3, BUSY)["value"], 21)
+        for _ in range(2):
+            self.assertEqual(self.one("write", 3, LAG, LONGEST_LAG + 1, code=4)["result"], "slave_error")
+        self.run_verb("write", 3, LAG, LONGEST_LAG)
+        self.assertEqual(self.one("read", 3, LAG)["value"], LONGEST_LAG)
+        wait_for("each is told", lambda: len(self.failed_writes()) == before + 3)
 
 
 class Transfers(VerbTest):

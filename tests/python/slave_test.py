@@ -11,6 +11,7 @@ from interrupt import SOON, seconds_to_end
 from line import LONG, ROOT, cansync
 
 from cansync_slave_service_test import Slave, jobs, wait_for  # noqa: E402  (its folder is named by `line`)
+from verb_case import DaemonTest  # noqa: E402
 from cansync import Mode, SlaveEventKind as Kind  # noqa: E402
 
 ASKED = jobs("parameter = 400", "parameter = 400\nvalue = 99", "parameter = 401", "control_word = 15",
@@ -129,6 +130,46 @@ class Behind(unittest.TestCase):
         with self.assertRaises(cansync.NotConnected) as nowhere:
             cansync.connect_slave("nobody", domain=self.daemon.place.domain, timeout=0.1)
         self.assertIn("nobody", str(nowhere.exception))
+
+
+class OfACluster(DaemonTest):
+    """The slave on the upper bus of a cluster is as its file says."""
+
+    CONFIG = """
+[bus]
+protocol = "cansync-cluster"
+name = "{bus}"
+bit_rate = 250000
+[dds]
+domain = {domain}
+[[lower.slave]]
+number = 0
+[upper.slave]
+number = 5
+"""
+    REFERENCES = [1, 3, 5, 7, 17, 19, 21, 23]
+
+    def connected(self):
+        return cansync.connect_slave(f"{self.place.bus}.upper", domain=self.place.domain, timeout=LONG)
+
+    def refused(self, request):
+        with self.assertRaises(cansync.Refused) as refused:
+            request()
+        self.assertEqual(refused.exception.cause, cansync.Cause.WRONG_STATE)
+        return str(refused.exception)
+
+    def test_its_mapping_is_changed_in_the_file_and_its_mode_by_nobody(self):
+        with self.connected() as slave:
+            wanted = (1, 3, 0, 0, *slave.state().actual_mapping[4:])
+            self.assertIn("only reset_can is taken", self.refused(lambda: slave.set_mode(Mode.SETUP)))
+            slave.set_mode(Mode.RESET_CAN)
+            for request in (lambda: slave.set_mapping(self.REFERENCES, wanted), lambda: slave.listen(7, wanted)):
+                self.assertIn("change [upper.slave] or [[upper.monitored]]", self.refused(request))
+        with open(self.config, "a", encoding="utf-8") as file:
+            file.write("actual_registers_1 = [1, 3, 0, 0]\n[[upper.monitored]]\nnumber = 7\n")
+        self.restart()
+        with self.connected() as slave:
+            self.assertEqual(slave.state().actual_mapping, wanted)
 
 
 if __name__ == "__main__":

@@ -168,9 +168,12 @@ gateway::dds::Problem SlaveRequests::refusal(const SlaveOrderDone& done, const R
       return Denial{gateway_CAUSE_WRONG_STATE,
                     "the mode does not follow from the slave's state; from stop: setup, then run"};
     case SlaveRefusal::of_cluster:
-      return Denial{
-          gateway_CAUSE_WRONG_STATE,
-          "the slave of a cluster is set by its file alone; change it there and restart the daemon"};
+      if (std::holds_alternative<SlaveModeOrder>(done.order))
+        return Denial{gateway_CAUSE_WRONG_STATE,
+                      "the slave of a cluster runs and stops with its daemon; only reset_can is taken here"};
+      return Denial{gateway_CAUSE_WRONG_STATE,
+                    "the mappings of a cluster's slave are those of its file; change [upper.slave] or "
+                    "[[upper.monitored]] there, and restart the daemon"};
     case SlaveRefusal::not_permitted:
       return Denial{gateway_CAUSE_RIGHT,
                     "the daemon may not reset the controller; give it the right CAP_NET_ADMIN"};
