@@ -103,6 +103,7 @@ SteadyTime FrameGateway::pass(bool samples_may_wait) {
     const bool more_leads = lead_.take_samples(now);
     if (jobs_.take_requests(jobs) || more_outputs || more_leads) signal_.raise();
   }
+  if (lead_.take_stopped()) jobs_.replace_waiting({}, jobs);
   const SteadyTime status_due = publish_status(now);
   const SteadyTime due = earliest(
       status_due,

@@ -78,6 +78,7 @@ void RunLeadGate::take(const layer2_RunLead& sample, WriterHandle writer, Steady
 void RunLeadGate::set(bool run, std::string text, bool fault, SteadyTime now) {
   run_ = run;
   wanted_ = run;
+  stopped_ = stopped_ || !run;
   EventText event{fault ? gateway_SEVERITY_ERROR : gateway_SEVERITY_INFO, "run_lead_changed", -1,
                   std::move(text), std::nullopt};
   event.client = name_;

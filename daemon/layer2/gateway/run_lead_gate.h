@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/owned_reader.h"
@@ -39,6 +40,8 @@ class RunLeadGate {
   bool follows() const noexcept { return !name_.empty(); }
   /// It says that the module is to run.
   bool wants_run() const noexcept { return run_; }
+  /// It has said stop, or has gone, since this was asked last.
+  bool take_stopped() noexcept { return std::exchange(stopped_, false); }
   /// Every order to run or to stop that follows from it was handed on.
   bool settled() const noexcept { return !wanted_; }
   /// The program that is there; empty: none.
@@ -60,6 +63,7 @@ class RunLeadGate {
   Layer2Exchange& exchange_;
   bool read_only_ = false;
   bool run_ = false;
+  bool stopped_ = false;
   std::optional<bool> wanted_;  ///< had no room yet
   FaultRow refusals_{kQuiet};
 };

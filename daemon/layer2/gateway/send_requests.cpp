@@ -159,6 +159,15 @@ LaneLimits SendRequests::lane_limits() const {
   return {{normal, normal, kFramesOfClient}, {high, high, kFramesOfClient}, {16, 16}, {kRoom, kRoom}};
 }
 
+std::optional<QueuesEmptied> SendRequests::newer_of(const Request& request,
+                                                    const SendContext& /*context*/) noexcept {
+  const auto* order = std::get_if<layer2::ControlOrder>(&request.job);
+  if (order == nullptr) return std::nullopt;
+  if (order->what != layer2::Control::stop && order->what != layer2::Control::clear_queues)
+    return std::nullopt;
+  return QueuesEmptied{};
+}
+
 unsigned SendRequests::weight_of(const Request& request) noexcept {
   const auto* order = std::get_if<layer2::SendOrder>(&request.job);
   return order == nullptr ? 1 : static_cast<unsigned>(order->following.size()) + 1;

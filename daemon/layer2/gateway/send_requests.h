@@ -108,6 +108,9 @@ struct ObjectTopic {
 /// What requests wait for: a queue of the station, the module itself, or a message object.
 enum class FrameLane : std::uint8_t { normal, high, control, object };
 
+/// Deletes the frames that wait for their turn: the module is stopped, or its queues are emptied.
+struct QueuesEmptied {};
+
 /// The protocol of the desk.
 class SendRequests {
  public:
@@ -118,6 +121,8 @@ class SendRequests {
   using Context = SendContext;
   static constexpr Outcome kCancelled = Outcome::cancelled;
   static constexpr Outcome kStopped = Outcome::stopped;
+  using Newer = QueuesEmptied;
+  static constexpr Outcome kReplaced = Outcome::deleted;
 
   /// `running` must outlive the object.
   explicit SendRequests(RunningConfiguration& running) : running_(running) {}
@@ -148,6 +153,12 @@ class SendRequests {
                                            std::vector<std::uint8_t>& data);
   /// What is not allowed now, whoever asks.
   static gateway::dds::Problem objection(const Request& request, const SendContext& context);
+  /// The desk is a part of the queues: what waits there ends with what waits in the module.
+  static std::optional<QueuesEmptied> newer_of(const Request& request, const SendContext& context) noexcept;
+  static bool loses_to(const Request& request, QueuesEmptied /*newer*/,
+                       const SendContext& /*context*/) noexcept {
+    return std::holds_alternative<layer2::SendOrder>(request.job);
+  }
   static Lane lane_of(const Request& request) noexcept;
   /// Its frames.
   static unsigned weight_of(const Request& request) noexcept;

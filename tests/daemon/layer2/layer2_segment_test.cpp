@@ -8,9 +8,11 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <iterator>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "can/flagged_frames.h"
@@ -144,6 +146,62 @@ TEST_F(Layer2Bus, WhatWasReceivedBeforeTheStopIsPublished) {
       std::count_if(seen_.begin(), seen_.end(),
                     [](const layer2_ReceivedFrame& frame) { return frame.received.identifier == 0x100; }),
       kFrames);
+}
+
+/// The realtime thread is this test, and takes what it likes.
+TEST_F(Layer2Bus, FramesThatWaitForTheirTurnAreDeletedByAStopAndWithTheQueues) {
+  Layer2File file = file_for(places_);
+  file.config.run_follows = "leader";
+  Layer2Exchange exchange(256, 16);
+  const gateway::dds::Participant participant(places_.here);
+  FrameGateway gateway(file, exchange, participant, journal_);
+  gateway.start();
+  client_.emplace(options_for(places_));
+  const gateway::dds::Participant leader(places_.there);
+  gateway::dds::Writer<layer2_RunLead> lead(leader);
+  const auto next = [&] {
+    Layer2Request request;
+    EXPECT_TRUE(comes_true([&] { return exchange.requests.try_pop(request); }));
+    return request;
+  };
+  const auto say = [&](bool run) {
+    layer2_RunLead sample = {};
+    gateway::dds::copy_text("leader", sample.client_name);
+    std::ranges::copy(client_->gateway_status().daemon, std::begin(sample.daemon));
+    sample.run = run;
+    EXPECT_EQ(lead.write(sample), DDS_RETCODE_OK);
+    return next();
+  };
+  const auto control = [&](layer2_ControlKind kind) {
+    layer2_ControlRequest request = {};
+    request.kind = kind;
+    (void)client_->begin_control(request);
+    return next();
+  };
+  const std::vector<std::function<Layer2Request()>> ways = {
+      [&] { return control(layer2_CONTROL_CLEAR_QUEUES); }, [&] { return control(layer2_CONTROL_STOP); },
+      [&] { return say(false); }};
+  EXPECT_EQ(std::get<layer2::ControlOrder>(say(true)).what, layer2::Control::run);
+  const std::vector<can::Frame> most(layer2_BATCH, data_frame(0x123, {1}));
+  for (const auto& empty_the_queues : ways) {
+    (void)client_->begin_send(most, 0);
+    const auto first = std::get<layer2::SendOrder>(next());
+    const auto second = client_->begin_send(most, 0);
+    EXPECT_TRUE(std::holds_alternative<layer2::ControlOrder>(empty_the_queues()));
+    std::optional<SendResult> ended;
+    EXPECT_TRUE(comes_true([&] {
+      client_->look({.ended = [&](std::uint64_t request, const SendResult& result) {
+        if (request == second.request) ended = result;
+      }});
+      return ended.has_value();
+    }));
+    ASSERT_TRUE(ended);
+    EXPECT_EQ(ended->code, gateway_REPLY_CANCELLED);
+    EXPECT_EQ(ended->reason, "not sent: the queues were emptied");
+    EXPECT_TRUE(exchange.done.try_push({.answer = {.id = first.id, .outcome = layer2::Outcome::deleted}}));
+    exchange.gateway_wake.signal();
+  }
+  gateway.stop();
 }
 
 TEST_F(Layer2Bus, TellsWhichDaemonItIs) {
