@@ -1,6 +1,8 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <ratio>
 
 #include "can/frame.h"
 
@@ -42,6 +44,26 @@ constexpr unsigned unstuffed_bits(std::uint8_t dlc) noexcept {
 constexpr unsigned worst_case_bits(std::uint8_t dlc) noexcept {
   const unsigned stuffed = 34u + 8u * (dlc > 8 ? 8u : dlc);
   return stuffed + (stuffed - 1) / 4 + kTailBits;
+}
+
+/// Bits by which a frame with a 29-bit identifier is longer, without stuff bits, than one with an 11-bit identifier.
+inline constexpr unsigned kExtendedBits = 20;
+/// The longest frame, with all the stuff bits that it can have.
+inline constexpr unsigned kLongestFrameBits = 160;
+
+/// Length in bits without stuff bits of a data or remote frame: shorter than that it never is.
+constexpr unsigned least_bits(const Frame& frame) noexcept {
+  return unstuffed_bits(frame.remote ? 0 : frame.dlc) + (frame.extended ? kExtendedBits : 0);
+}
+
+/// All the time of a bus, in the unit of `share_of_bus`.
+inline constexpr std::int64_t kWholeBus = 1'000'000;
+
+/// What `bits`, 0..1,000,000, take of the bus when they come again each `period`, over 0: millionths of its time, rounded
+/// down; over `kWholeBus` the bus cannot carry it. `bits_per_second`: over 0.
+constexpr std::int64_t share_of_bus(std::int64_t bits, std::chrono::nanoseconds period,
+                                    std::int64_t bits_per_second) noexcept {
+  return bits * std::nano::den / bits_per_second * kWholeBus / period.count();
 }
 
 }  // namespace can

@@ -5,6 +5,8 @@
 #include <memory>
 #include <utility>
 
+#include "can/frame_length.h"
+
 namespace layer2 {
 namespace {
 
@@ -78,6 +80,13 @@ void DataMapping::add(std::vector<Telegram>& telegrams, const MappedBytes& bytes
   for (unsigned i = 0; i < bytes.size; ++i)
     telegram->address[bytes.offset + i] = static_cast<std::uint16_t>(bytes.address + i);
   telegram->length = std::max(telegram->length, static_cast<std::uint8_t>(bytes.offset + bytes.size));
+}
+
+std::int64_t DataMapping::share_of_bus(std::uint32_t bits_per_second) const noexcept {
+  if (settings_.on_change) return 0;
+  std::int64_t bits = 0;
+  for (const Telegram& telegram : out_) bits += can::least_bits(telegram.last);
+  return can::share_of_bus(bits, settings_.interval, bits_per_second);
 }
 
 void DataMapping::configure(const MappingSettings& settings, std::span<const MappedBytes> table) {

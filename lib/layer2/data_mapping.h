@@ -77,6 +77,9 @@ class DataMapping {
   /// Tables taken from others so far.
   std::uint32_t table() const noexcept { return table_; }
 
+  /// What its telegrams out take of the bus, as `can::share_of_bus`; nothing when they are sent on change.
+  std::int64_t share_of_bus(std::uint32_t bits_per_second) const noexcept;
+
   /// The exchange begins: the first telegrams are due `now`. Without telegrams nothing happens.
   void start(Time now) noexcept;
   /// The exchange ends; what waits is not sent. The images keep their bytes.

@@ -1,6 +1,9 @@
 #include "layer2/module.h"
 
 #include <algorithm>
+#include <chrono>
+
+#include "can/frame_length.h"
 
 namespace layer2 {
 namespace {
@@ -126,7 +129,8 @@ Refusal Module::control(const ControlOrder& order, Time now) noexcept {
     case Control::stop_timer:
       return timer(stop_timer(order.number));
     case Control::set_timer:
-      return timer(configure_timer(order.number, order.timer));
+      return has_room(order.number, order.timer) ? timer(configure_timer(order.number, order.timer))
+                                                 : Refusal::bus_full;
     case Control::clear_queues:
       clear_queues();
       return Refusal::none;
@@ -156,6 +160,14 @@ bool Module::start_timer(unsigned number, Time now) noexcept {
 bool Module::stop_timer(unsigned number) noexcept {
   window_.timer_stopped(number);
   return timers_.stop(number);
+}
+
+/// On the bus, beside the other timers and the process image.
+bool Module::has_room(unsigned number, const TimerSettings& settings) const noexcept {
+  const std::uint32_t rate = settings_.bits_per_second;
+  if (settings.period <= Time{0}) return true;
+  return timers_.share_of_others(number, rate) + mapping_.share_of_bus(rate) + share_of_bus(settings, rate) <=
+         can::kWholeBus;
 }
 
 bool Module::configure_timer(unsigned number, const TimerSettings& settings) noexcept {
@@ -215,7 +227,8 @@ Refusal Module::submit(const SendOrder& order, Time now) noexcept {
 /// What stands in the controller already takes its time of the window, too.
 bool Module::orders_may_go() const noexcept {
   const auto frames = static_cast<Time::rep>(station_.handed_over_count() + 1);
-  return window_.open(now_, frames * settings_.longest_frame);
+  return window_.open(
+      now_, frames * can::kLongestFrameBits * Time(std::chrono::seconds(1)) / settings_.bits_per_second);
 }
 
 std::optional<can::Frame> Module::next_frame() noexcept {

@@ -26,8 +26,8 @@ struct ModuleSettings {
   Overflow receive_overflow = Overflow::delete_oldest;
   std::array<std::optional<TimerSettings>, Timers::kMost> timers = {};  ///< index: number - 1
   WindowSettings window;
-  Time longest_frame = std::chrono::microseconds(320);  ///< time of the longest frame on the bus
-  Script power_on;                                      ///< without problems, as the other two
+  std::uint32_t bits_per_second = 500'000;  ///< of the bus, over 0
+  Script power_on;                          ///< without problems, as the other two
   Script run;
   Script stop;
   std::array<std::optional<ObjectSettings>, MessageObjects::kMost> objects = {};
@@ -238,6 +238,7 @@ class Module {
   void start_script(const Script& script) noexcept;
   bool orders_may_go() const noexcept;
   void pass_lost() noexcept;
+  bool has_room(unsigned number, const TimerSettings& settings) const noexcept;
   Refusal objection(const PreparedSettings& prepared) const noexcept;
   void configure_mapping(PreparedSettings& prepared, Time now) noexcept;
   void tell(ModuleEvent::Kind kind, unsigned number, const can::Frame& frame, Time time) noexcept;

@@ -77,6 +77,7 @@ enum class Refusal : std::uint8_t {
   not_running,       ///< the module is in stop
   not_led,           ///< run and stop follow a program that is not there or says stop
   no_timer,          ///< there is no such timer, or it was not given what it sends
+  bus_full,          ///< the bus cannot carry a timer beside the others and the process image
   no_image,          ///< there is no process image, or not at that address
   image_owned,       ///< the process image belongs to another program, or is another one by now
   not_permitted,     ///< the controller cannot be reset: a right of the system is missing

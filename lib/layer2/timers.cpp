@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "can/frame_length.h"
+
 namespace layer2 {
 namespace {
 
@@ -10,6 +12,19 @@ constexpr bool is_timer(unsigned number) noexcept {
 }
 
 }  // namespace
+
+std::int64_t share_of_bus(const TimerSettings& timer, std::uint32_t bits_per_second) noexcept {
+  if (!timer.cyclic) return 0;
+  return can::share_of_bus(can::least_bits(timer.frame), timer.period, bits_per_second);
+}
+
+std::int64_t Timers::share_of_others(unsigned number, std::uint32_t bits_per_second) const noexcept {
+  std::int64_t share = 0;
+  for (unsigned other = 1; other <= kMost; ++other) {
+    if (other != number && configured(other)) share += share_of_bus(settings(other), bits_per_second);
+  }
+  return share;
+}
 
 bool Timers::configured(unsigned number) const noexcept {
   return is_timer(number) && timers_[number - 1].configured;

@@ -23,6 +23,9 @@ struct TimerSettings {
   friend bool operator==(const TimerSettings&, const TimerSettings&) = default;
 };
 
+/// What it takes of the bus, as `can::share_of_bus`; one that is not cyclic: nothing. Pure; realtime safe.
+std::int64_t share_of_bus(const TimerSettings& timer, std::uint32_t bits_per_second) noexcept;
+
 /// The 16 timers of a module, each of which sends a frame (Helmholz 3.3, 6.3.5).
 ///
 /// Frames stand on a grid from the instant a timer was started at: start + phase + n * period. What went by
@@ -54,6 +57,8 @@ class Timers {
   bool running(unsigned number) const noexcept;
   /// Of a configured timer.
   const TimerSettings& settings(unsigned number) const noexcept { return timers_[number - 1].settings; }
+  /// What all that are configured but `number` take of the bus, as `can::share_of_bus`.
+  std::int64_t share_of_others(unsigned number, std::uint32_t bits_per_second) const noexcept;
   /// Frames of a timer that were handed over, and those left out, since the start; of 1..kMost.
   std::uint64_t sent(unsigned number) const noexcept { return timers_[number - 1].sent; }
   /// Frames of a timer (1..kMost) that were left out, since the start.

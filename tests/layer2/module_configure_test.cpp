@@ -10,6 +10,7 @@ namespace layer2 {
 namespace {
 
 using can::test::data_frame;
+using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
 class ModuleConfigure : public testing::Test {
@@ -140,6 +141,23 @@ TEST_F(ModuleConfigure, WhatDoesNotFitChangesNothing) {
   EXPECT_EQ(configure(script), Refusal::script_under_way);
   module_->advance(milliseconds(40));
   EXPECT_EQ(configure(script), Refusal::none);
+}
+
+// A frame of 8 bytes has 111 bits without stuff bits: 222 us at 500 kbit/s.
+TEST_F(ModuleConfigure, ATimerThatTheBusCannotCarryBesideTheOthersIsRefused) {
+  const auto set = [&](std::uint8_t number, std::chrono::microseconds period, bool cyclic = true) {
+    const TimerSettings timer = {
+        .frame = data_frame(0x85, {1, 2, 3, 4, 5, 6, 7, 8}), .period = period, .cyclic = cyclic};
+    return module_->control({.id = 1, .what = Control::set_timer, .number = number, .timer = timer},
+                            milliseconds(20));
+  };
+  EXPECT_EQ(set(9, microseconds(221)), Refusal::bus_full);
+  EXPECT_FALSE(module_->timers().configured(9));
+  EXPECT_EQ(set(9, microseconds(444)), Refusal::none);
+  EXPECT_EQ(set(10, microseconds(444)), Refusal::bus_full) << "the process image takes some, too";
+  EXPECT_EQ(set(10, microseconds(444), false), Refusal::none) << "it sends one frame";
+  EXPECT_EQ(set(10, milliseconds(1)), Refusal::none);
+  EXPECT_EQ(set(9, microseconds(500)), Refusal::none) << "it takes the place of its own";
 }
 
 TEST_F(ModuleConfigure, ATimerWithoutAFrameAndAnImageWithoutAMappingAreThereOnceTheyAreSet) {

@@ -290,7 +290,6 @@ TEST(Module, L13AWindowThatTheScriptOfPowerOnHasStartedGoesOnInRun) {
 TEST(Module, L13OrdersWaitForTheWindowAndEndInIt) {
   ModuleSettings settings = everything();
   settings.window = {true, milliseconds(10), milliseconds(2), milliseconds(3), true};
-  settings.longest_frame = microseconds(320);
   settings.run = script("Start 1\nStart 2");
   settings.timers[2] = timer(0x80, milliseconds(10));
   Module module(settings);

@@ -47,7 +47,7 @@ lib/layer2/config:          lib/config lib/can lib/layer2 lib/daemon_config
 lib/layer2/sim:             lib/can lib/sim
 lib/layer2/client:          idl lib/can lib/dds lib/layer2/dds
 lib/j1939/dds:              idl lib/text lib/j1939 lib/dds
-lib/j1939/config:           lib/config lib/j1939 lib/daemon_config
+lib/j1939/config:           lib/config lib/can lib/j1939 lib/daemon_config
 lib/j1939/sim:              lib/can lib/j1939 lib/sim
 lib/j1939/client:           idl lib/can lib/dbc lib/dds lib/j1939 lib/j1939/dds
 lib/client:                 idl lib/text lib/profile lib/can lib/dbc lib/signals lib/layer2 lib/j1939 lib/dds lib/cansync/dds lib/cansync_slave/client lib/layer2/dds lib/layer2/client lib/j1939/client

@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <chrono>
 #include <utility>
 
+#include "can/frame_length.h"
 #include "j1939/config/options.h"
+#include "j1939/transport.h"
 
 namespace cansyncd {
 namespace {
@@ -58,6 +62,40 @@ void finish_provided(J1939Draft& draft, Findings& findings) {
   }
 }
 
+/// Of a group, as `can::share_of_bus`, without stuff bits.
+std::int64_t share_of(const j1939::Provided& group, std::uint32_t bits_per_second) {
+  constexpr unsigned kPacketBits = can::unstuffed_bits(8) + can::kExtendedBits;
+  if (group.period <= j1939::Time{0}) return 0;
+  const std::size_t bytes = group.data.size();
+  const unsigned bits = bytes > 8
+                            ? (1 + j1939::packets_of(bytes)) * kPacketBits
+                            : can::unstuffed_bits(static_cast<std::uint8_t>(bytes)) + can::kExtendedBits;
+  return can::share_of_bus(bits, group.period, bits_per_second);
+}
+
+/// What is sent to all again and again must have room on the bus.
+void check_load(const J1939Draft& draft, Findings& findings) {
+  const std::uint32_t rate = draft.config.bus.bits_per_second;
+  std::int64_t share = 0;
+  std::int64_t most = 0;
+  std::size_t number = 0;
+  for (std::size_t n = 0; n < draft.provided.size(); ++n) {
+    if (!draft.provided[n].given) continue;
+    const std::int64_t its = share_of(draft.provided[n].provided, rate);
+    share += its;
+    if (std::exchange(most, std::max(most, its)) < its) number = n;
+  }
+  if (share <= can::kWholeBus) return;
+  const auto period =
+      std::chrono::duration_cast<std::chrono::milliseconds>(draft.provided[number].provided.period);
+  findings.problem(
+      fmt::format("provide.{}.period_ms", number),
+      fmt::format(
+          "found {} ms, but the groups with a period together take {} % of the bus at {} bit/s, without any other "
+          "message; allowed: up to 100 %: longer periods, or fewer of them",
+          period.count(), share * 100 / can::kWholeBus, rate));
+}
+
 void finish_ecus(J1939Draft& draft, Findings& findings) {
   for (unsigned n = 0; n < draft.ecus.size(); ++n) {
     J1939Draft::Ecu& found = draft.ecus[n];
@@ -87,6 +125,7 @@ J1939File build_j1939_config(config::Settings settings, const std::string& path)
                       check_address(draft.config, findings);
                       finish_pgn_ranges(draft, findings);
                       finish_provided(draft, findings);
+                      check_load(draft, findings);
                       finish_ecus(draft, findings);
                     });
 }

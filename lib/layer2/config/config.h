@@ -62,9 +62,6 @@ struct SimNodeConfig {
   std::chrono::milliseconds period{0};  ///< between two of them; 0: sent as the answer to remote frames
 };
 
-/// Bits of a longest frame with all its stuff bits and the space behind it.
-inline constexpr int kLongestFrameBits = 160;
-
 /// Everything.
 struct Layer2Config : DaemonConfig {
   /// What no option of a file says otherwise.

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
+#include <chrono>
+#include <cmath>
+#include <ratio>
 #include <utility>
 
 #include "can/frame_length.h"
@@ -69,8 +71,9 @@ void finish_window(const Layer2Config& config, Findings& findings) {
     findings.problem("window.end_us", "found an end after window.repeat_us; allowed: up to it");
   } else if (problem != layer2::WindowProblem::none) {
     findings.problem("window.end_us", "found an end that is not after window.begin_us; allowed: after it");
-  } else if (const std::int64_t least = (kLongestFrameBits * 1'000'000LL + config.bus.bits_per_second - 1) /
-                                        config.bus.bits_per_second;
+  } else if (const std::int64_t least =
+                 (can::kLongestFrameBits * 1'000'000LL + config.bus.bits_per_second - 1) /
+                 config.bus.bits_per_second;
              window.end - window.begin < std::chrono::microseconds(least)) {
     findings.problem(
         "window.end_us",
@@ -113,29 +116,36 @@ std::string_view text_of(layer2::MappingProblem problem) {
   return "";
 }
 
-/// What the table sends each interval must have room on the bus, even without a single stuff bit.
+/// What table and timers send again and again must have room on the bus, even without a single stuff bit.
 void check_load(const Layer2Config& config, Findings& findings) {
-  constexpr unsigned kExtendedBits = 20;  // more than in a frame of 11 bits
-  std::map<std::uint32_t, std::uint8_t> lengths;
-  for (const layer2::MappedBytes& bytes : config.mapped) {
-    std::uint8_t& length = lengths[bytes.identifier];
-    if (bytes.output) length = std::max(length, static_cast<std::uint8_t>(bytes.offset + bytes.size));
+  const std::uint32_t rate = config.bus.bits_per_second;
+  if (layer2::DataMapping::check(config.mapping, config.mapped).problem != layer2::MappingProblem::none)
+    return;
+  layer2::DataMapping table;
+  table.configure(config.mapping, config.mapped);
+  std::int64_t share = table.share_of_bus(rate);
+  if (share > can::kWholeBus) {
+    const std::chrono::duration<double, std::milli> interval = config.mapping.interval;
+    const double took = interval.count() * static_cast<double>(share) / can::kWholeBus;
+    findings.problem(
+        "mapping.interval_ms",
+        fmt::format(
+            "found {} ms, but all telegrams of the table together ({}) take {:.1f} ms at {} bit/s, without any "
+            "other frame; allowed: at least {}, fewer telegrams, or mapping.on_change",
+            interval.count(), table.telegrams(), took, rate, std::ceil(took)));
+    return;
   }
-  std::erase_if(lengths, [](const auto& telegram) { return telegram.second == 0; });
-  std::int64_t bits = 0;
-  for (const auto& [identifier, length] : lengths)
-    bits += can::unstuffed_bits(length) + (config.mapping.rule.extended ? kExtendedBits : 0);
-  const std::int64_t microseconds = bits * 1'000'000 / config.bus.bits_per_second;
-  const std::int64_t interval =
-      std::chrono::duration_cast<std::chrono::microseconds>(config.mapping.interval).count();
-  if (config.mapping.on_change || microseconds <= interval) return;
+  const auto share_of = [rate](const TimerConfig& timer) { return layer2::share_of_bus(timer.timer, rate); };
+  for (const TimerConfig& timer : config.timers) share += share_of(timer);
+  if (share <= can::kWholeBus) return;
+  const auto most = std::ranges::max_element(config.timers, {}, share_of);
   findings.problem(
-      "mapping.interval_ms",
+      fmt::format("timer.{}.period_us", most->number),
       fmt::format(
-          "found {} ms, but all telegrams of the table together ({}) take {:.1f} ms at {} bit/s, without any "
-          "other frame; allowed: at least {}, fewer telegrams, or mapping.on_change",
-          interval / 1000, lengths.size(), static_cast<double>(microseconds) / 1000,
-          config.bus.bits_per_second, (microseconds + 999) / 1000));
+          "found {} us, but the timers and the table of the process image together take {} % of the bus at {} "
+          "bit/s, without any other frame; allowed: up to 100 %: longer periods, or fewer of them",
+          std::chrono::duration_cast<std::chrono::microseconds>(most->timer.period).count(),
+          share * 100 / can::kWholeBus, rate));
 }
 
 void finish_mapping(Layer2Draft& draft, Findings& findings) {
@@ -158,7 +168,6 @@ void finish_mapping(Layer2Draft& draft, Findings& findings) {
   if (fault.problem != layer2::MappingProblem::none)
     findings.problem(fmt::format("mapped.{}.number", numbers[fault.entry]),
                      std::string(text_of(fault.problem)));
-  check_load(draft.config, findings);
 }
 
 void finish_objects(Layer2Draft& draft, Findings& findings) {
@@ -209,6 +218,7 @@ Layer2File build_layer2_config(config::Settings settings, const std::string& pat
                       finish_window(draft.config, findings);
                       finish_scripts(draft.config.script, findings);
                       finish_mapping(draft, findings);
+                      check_load(draft.config, findings);
                       finish_objects(draft, findings);
                       finish_nodes(draft, findings);
                     });

@@ -1,9 +1,5 @@
 #include "layer2/config/module_settings.h"
 
-#include <chrono>
-
-#include "can/bus.h"
-
 namespace cansyncd {
 
 layer2::ModuleSettings module_settings(const Layer2Config& config) {
@@ -20,7 +16,7 @@ layer2::ModuleSettings module_settings(const Layer2Config& config) {
   for (const ObjectConfig& object : config.objects) module.objects[object.number] = object.settings;
   module.object_patience = config.send.timeout;
   module.window = config.window;
-  module.longest_frame = kLongestFrameBits * can::Time(std::chrono::seconds(1)) / config.bus.bits_per_second;
+  module.bits_per_second = config.bus.bits_per_second;
   module.power_on = read_script(config.script.power_on, config.script.rules);
   module.run = read_script(config.script.run, config.script.rules);
   module.stop = read_script(config.script.stop, config.script.rules);

@@ -184,6 +184,9 @@ Problem explain(Refusal refusal, std::uint16_t queue) {
     case Refusal::no_timer:
       return Denial{gateway_CAUSE_FIELD,
                     "number: that timer has nothing to send; set it first, or give it a [[timer]] section"};
+    case Refusal::bus_full:
+      return Denial{gateway_CAUSE_FIELD,
+                    "period: with the other timers and the image more than the bus carries; make it longer"};
     case Refusal::no_image:
       return Denial{gateway_CAUSE_MAPPING, "there is no process image; give the daemon [[mapped]] sections"};
     case Refusal::queue_in_use:

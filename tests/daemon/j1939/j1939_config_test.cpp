@@ -114,6 +114,25 @@ TEST_F(J1939Configuration, WithoutANameItLosesAgainstEveryNode) {
   EXPECT_NE(J1939Parts::check_text(contests).find("(every other NAME wins)"), std::string::npos);
 }
 
+// 131 bits for 8 bytes, four such frames for 20: 524 us and 2096 us at 250 kbit/s.
+TEST_F(J1939Configuration, GroupsThatTheBusCannotCarryAreRefused) {
+  const auto text = [](int first_ms, int second_ms) {
+    return fmt::format(
+        "[[provide]]\nnumber = 2\npgn = 0xFEEB\nperiod_ms = {}\ndata = [1, 2, 3, 4, 5, 6, 7, 8]\n"
+        "[[provide]]\nnumber = 5\npgn = 0xFEEC\nperiod_ms = {}\n"
+        "data = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20]\n",
+        first_ms, second_ms);
+  };
+  (void)good(text(1, 5));
+  (void)good(text(0, 3));
+  EXPECT_EQ(
+      problems(text(1, 4)),
+      (folder_ / "f.toml").string() +
+          ":4:13: provide.2.period_ms: found 1 ms, but the groups with a period together take 104 % of the bus at "
+          "250000 bit/s, without any other message; allowed: up to 100 %: longer periods, or fewer of them\n");
+  EXPECT_NE(problems(text(0, 2)).find("provide.5.period_ms: found 2 ms"), std::string::npos);
+}
+
 TEST_F(J1939Configuration, WhatIsWrongNamesItsPlace) {
   EXPECT_NE(problems("[[provide]]\nnumber = 0\npgn = 0xEF01\n").find("f.toml:3"), std::string::npos);
   EXPECT_NE(problems("[[provide]]\nnumber = 0\npgn = 0xFEEB\nperiod_ms = 100\n").find("without data"),

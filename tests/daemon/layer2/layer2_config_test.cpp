@@ -194,6 +194,26 @@ TEST_F(Layer2Configuration, ATableThatTheBusCannotCarryIsRefused) {
   (void)good(text(21, "on_change = true\n"));
 }
 
+// A remote frame with 29 bits has 67 bits, one with 11 and 8 bytes 111: 536 us and 888 us at 125 kbit/s.
+TEST_F(Layer2Configuration, TimersThatTheBusCannotCarryAreRefused) {
+  const auto text = [](int first_us, int second_us, const std::string& more) {
+    return fmt::format(
+        "[bus]\nbit_rate = 125000\n[[timer]]\nnumber = 3\nidentifier = 1\nextended = true\nremote = true\nperiod_us = {}\n"
+        "[[timer]]\nnumber = 4\nidentifier = 2\ndata = [1, 2, 3, 4, 5, 6, 7, 8]\nperiod_us = {}\n{}",
+        first_us, second_us, more);
+  };
+  (void)good(text(1072, 1776, ""));
+  (void)good(text(1072, 100, "cyclic = false\n"));
+  EXPECT_EQ(
+      problems(text(1072, 1700, "")),
+      "f.toml:13:13: timer.4.period_us: found 1700 us, but the timers and the table of the process image together take "
+      "102 % of the bus at 125000 bit/s, without any other frame; allowed: up to 100 %: longer periods, or fewer of "
+      "them\n");
+  const std::string table =
+      "[mapping]\ninterval_ms = 10\n[[mapped]]\nnumber = 0\nidentifier = 3\nsize = 8\noutput = true\n";
+  EXPECT_NE(problems(text(1072, 1776, table)).find("take 108 % of the bus"), std::string::npos);
+}
+
 TEST_F(Layer2Configuration, ATextChangesWhatItNamesAndNothingElse) {
   const Layer2File file = load(R"([mapping]
 identifier = 0x180
